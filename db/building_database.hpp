@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wayfuse/proto/fingerprint.hpp"
+#include "wayfuse/proto/message.hpp"
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/result.hpp"
+
+namespace wayfuse {
+
+/// A building as an operator describes it.
+struct BuildingRecord {
+  BuildingId id;
+  std::string name;
+  std::optional<Georeference> georeference;
+  MagneticField magnetic_field;
+  std::vector<Floor> floors;
+  std::string pipeline = "default";      ///< preset name
+  std::uint64_t survey_version = 0;      ///< grows with every stored batch; names the radio map built from it
+  bool operator==(const BuildingRecord&) const = default;
+};
+
+/// A transmitter as the survey heard it.
+struct TransmitterRecord {
+  Bssid bssid;
+  std::uint16_t frequency_mhz = 0;
+  std::uint64_t readings = 0;
+  double strongest_dbm = 0.0;
+};
+
+struct StoredPoint {
+  std::uint64_t id = 0;
+  ReferencePoint point;
+};
+
+/// What a page of stored points is asked by.
+struct PointQuery {
+  std::optional<FloorOrdinal> floor;
+  std::uint64_t after_id = 0;            ///< exclusive
+  std::uint32_t most = 1000;
+};
+
+/// One building's SQLite file: WAL, synchronous=FULL, foreign keys, one writer process.
+///
+/// Every mutating call returns only after COMMIT is durable. Thread: confined to the store's writer thread (StoreWriter);
+/// tests may own one directly. Faults: kStoreBusy, kStoreTooNew, kStoreCorrupt, kStorageFull, kStorageFailed.
+class BuildingDatabase {
+ public:
+  struct OpenOptions {
+    std::string vfs;                     ///< SQLite VFS name; empty = the default one
+    bool synchronous_normal = false;     ///< only for the control experiment of the durability campaign
+  };
+  static Result<BuildingDatabase> create(const std::filesystem::path& file, const BuildingRecord& building, const OpenOptions& options);
+  static Result<BuildingDatabase> open(const std::filesystem::path& file, const OpenOptions& options);
+  BuildingDatabase(BuildingDatabase&&) noexcept;
+  BuildingDatabase& operator=(BuildingDatabase&&) noexcept;
+  ~BuildingDatabase();
+
+  Result<BuildingRecord> building();
+  Result<void> update(const BuildingRecord& building);    ///< all but id and survey_version
+
+  /// Stores several batches in one transaction (group commit); one answer a batch, in order.
+  /// Same key and body = the stored answer; same key, other body = kIdempotencyConflict for that batch alone.
+  std::vector<Result<SurveyAck>> store(const std::vector<SurveyBatch>& batches);
+
+  Result<std::vector<StoredPoint>> points(const PointQuery& query);
+  Result<std::uint64_t> count_points();
+  Result<std::vector<TransmitterRecord>> transmitters();
+  /// SQLite's own backup into a new file, consistent while writers go on.
+  Result<void> back_up_to(const std::filesystem::path& file);
+
+ private:
+  struct Connection;
+  explicit BuildingDatabase(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace wayfuse

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "db/building_database.hpp"
+
+namespace wayfuse {
+
+/// A machine key as stored: never the key itself [SAFETY C1].
+struct KeyRecord {
+  std::uint64_t id = 0;
+  std::string name;
+  std::string keyed_hash;                ///< BLAKE2b-256 under the server's secret, raw 32 bytes
+  std::vector<std::string> scopes;       ///< `survey`, `track`, `observe`, `admin`
+  BuildingId building;                   ///< 0 = all buildings
+  UnixTime created_at;
+  std::optional<UnixTime> expires_at;
+  bool revoked = false;
+};
+
+/// The server's data folder: `server.sqlite` (keys, secret) and one `building-<id>.sqlite` each [C2]; and the one thread
+/// that owns every connection to them.
+///
+/// Thread: any; each call is posted to the writer thread and the callback runs there. Survey batches that arrive within
+/// 5 ms or 256 points of each other are committed together.
+class DatabaseDirectory {
+ public:
+  struct Options {
+    std::string vfs;
+  };
+  /// Opens the folder, migrates and quick_checks every database. A corrupt building is quarantined, not fatal.
+  static Result<std::unique_ptr<DatabaseDirectory>> open(const std::filesystem::path& folder, const Options& options);
+  virtual ~DatabaseDirectory() = default;
+
+  /// Runs `task` on the writer thread with that building's database; kUnknownBuilding if there is none.
+  virtual void with_building(BuildingId id, std::function<void(Result<BuildingDatabase*>)> task) = 0;
+  virtual void store(BuildingId id, SurveyBatch batch, std::function<void(Result<SurveyAck>)> done) = 0;
+  virtual void create_building(BuildingRecord building, std::function<void(Result<BuildingRecord>)> done) = 0;
+
+  /// Snapshot of what is there, taken under a mutex; ascending ids.
+  virtual std::vector<BuildingId> buildings() const = 0;
+  /// Buildings that could not be opened, with the reason.
+  virtual std::vector<std::pair<BuildingId, Fault>> quarantined() const = 0;
+
+  virtual Result<std::string> server_secret() = 0;       ///< 32 bytes, made on first start
+  virtual Result<std::vector<KeyRecord>> keys() = 0;
+  virtual Result<KeyRecord> add_key(KeyRecord key) = 0;  ///< id is assigned
+  virtual Result<void> revoke_key(std::uint64_t id) = 0;
+
+  /// Finishes what is queued, checkpoints, closes. No call after it.
+  virtual void close() = 0;
+};
+
+}  // namespace wayfuse

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "wayfuse/proto/fault.hpp"
+#include "wayfuse/proto/fingerprint.hpp"
+#include "wayfuse/proto/fix.hpp"
+#include "wayfuse/proto/motion.hpp"
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/scan.hpp"
+#include "wayfuse/proto/time.hpp"
+
+/// Protocol v1: every sentence phone and server say to each other. Encoded by codec.hpp, specified in proto/README.md.
+namespace wayfuse {
+
+/// What the connection is for.
+enum class Role : std::uint8_t { kTrack, kSurvey, kObserve };
+
+/// Limits of v1, the same on both sides [SAFETY C7, C8].
+struct Limits {
+  static constexpr std::size_t kMessageBytes = 64 * 1024;
+  static constexpr std::size_t kReadingsPerScan = 512;
+  static constexpr std::size_t kSamplesPerBatch = 1024;
+  static constexpr std::size_t kPointsPerBatch = 256;
+  static constexpr std::size_t kScansPerPoint = 64;
+  static constexpr std::size_t kStringBytes = 256;
+  static constexpr int kDepth = 8;
+};
+
+// ---------------------------------------------------------------- client -> server
+
+/// Asks to go on with an earlier session.
+struct Resume {
+  std::string session;             ///< as given in `welcome`
+  std::uint64_t epoch = 0;         ///< of the server that gave it
+  std::uint64_t acked_through = 0; ///< highest sample number the client knows as applied
+  bool operator==(const Resume&) const = default;
+};
+
+/// First message on every connection.
+struct Hello {
+  Role role = Role::kTrack;
+  BuildingId building;             ///< 0 = resolve from the first scans (track only)
+  std::string token;               ///< key or session token, where the upgrade request carried no Authorization header
+  std::string device_model;        ///< model, never an address or a person
+  std::string app;                 ///< name/version of the application, for operators
+  std::string pipeline;            ///< empty = the building's own; otherwise a preset to compare
+  PhoneTime phone_time;            ///< when this was sent
+  std::optional<Resume> resume;
+  bool operator==(const Hello&) const = default;
+};
+
+using SampleBody = std::variant<MotionReport, RssScan, GnssFix>;
+
+/// One numbered piece of evidence. Numbers start at 1 in a session and have no gap.
+struct Sample {
+  std::uint64_t sequence = 0;
+  SampleBody body;
+  bool operator==(const Sample&) const = default;
+};
+
+/// What happened on the phone since the last batch; consecutive numbers.
+struct SampleBatch {
+  std::vector<Sample> samples;
+  bool operator==(const SampleBatch&) const = default;
+};
+
+/// Reference points, stored all or none. Sent again under the same key it is answered again, not stored again [C18].
+struct SurveyBatch {
+  std::string idempotency_key;     ///< 1..64 characters, [A-Za-z0-9._-]
+  std::vector<ReferencePoint> points;
+  bool operator==(const SurveyBatch&) const = default;
+};
+
+/// What an observer wants to see.
+struct Subscribe {
+  std::vector<FloorOrdinal> floors; ///< empty = all
+  Duration min_interval{0};         ///< newest wins in between
+  bool operator==(const Subscribe&) const = default;
+};
+
+/// The client leaves for good: the session ends.
+struct Goodbye {
+  std::string reason;
+  bool operator==(const Goodbye&) const = default;
+};
+
+// ---------------------------------------------------------------- server -> client
+
+/// Answer to Hello.
+struct Welcome {
+  std::string session;             ///< name for a later resume
+  std::uint64_t epoch = 0;         ///< changes when the server lost its sessions
+  std::uint64_t applied_through = 0;  ///< highest sample applied in this session
+  bool recovered = false;          ///< on resume: the session is whole; otherwise it starts anew
+  BuildingId building;             ///< 0 = not resolved yet
+  std::string building_name;
+  std::optional<Georeference> georeference;
+  MagneticField magnetic_field;
+  std::string pipeline;            ///< in force
+  std::uint64_t radio_map_version = 0;
+  UnixTime server_wall_time;
+  Duration keep_alive{0};          ///< the server pings this often
+  Duration sample_ring{0};         ///< keep unacknowledged samples this long
+  bool operator==(const Welcome&) const = default;
+};
+
+/// Samples up to `through` are applied; the client may forget them.
+struct Ack {
+  std::uint64_t epoch = 0;
+  std::uint64_t through = 0;
+  bool operator==(const Ack&) const = default;
+};
+
+/// The batch is durable: said only after COMMIT.
+struct SurveyAck {
+  std::string idempotency_key;
+  std::uint32_t stored = 0;        ///< points now in the store by this batch
+  std::uint64_t survey_version = 0;   ///< of the survey, after it
+  bool operator==(const SurveyAck&) const = default;
+};
+
+/// A fused position of this session.
+struct Position {
+  FusedPosition position;
+  std::uint64_t applied_through = 0;
+  bool operator==(const Position&) const = default;
+};
+
+/// Why there is no position now [C14].
+struct NoFix {
+  PhoneTime at;
+  Fault reason;
+  bool operator==(const NoFix&) const = default;
+};
+
+/// One tracked phone as an observer sees it. The name is the session's public one, not the one that resumes it.
+struct Observed {
+  std::string tracked;
+  FusedPosition position;
+  UnixTime received_at;
+  bool gone = false;               ///< the session ended; the position is its last
+  bool operator==(const Observed&) const = default;
+};
+struct Observation {
+  std::vector<Observed> tracked;
+  bool operator==(const Observation&) const = default;
+};
+
+/// Something was wrong; whether the connection lives on is the fault table's word.
+struct FaultReport {
+  Fault fault;
+  std::uint64_t sequence = 0;      ///< the sample concerned; 0 = none
+  std::string idempotency_key;     ///< the survey batch concerned; empty = none
+  Duration retry_after{0};         ///< 0 = not by itself
+  bool operator==(const FaultReport&) const = default;
+};
+
+/// The server drains: reconnect somewhere between now and `within`, at random [C20].
+struct GoAway {
+  Duration within{0};
+  std::string reason;
+  bool operator==(const GoAway&) const = default;
+};
+
+using ClientMessage = std::variant<Hello, SampleBatch, SurveyBatch, Subscribe, Goodbye>;
+using ServerMessage = std::variant<Welcome, Ack, SurveyAck, Position, NoFix, Observation, FaultReport, GoAway>;
+
+}  // namespace wayfuse

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/pipeline/pipeline_spec.hpp"
+#include "wayfuse/proto/fingerprint.hpp"
+#include "wayfuse/proto/fix.hpp"
+#include "wayfuse/proto/motion.hpp"
+#include "wayfuse/proto/random.hpp"
+
+namespace wayfuse {
+
+/// What a tracker must know of a building. Immutable once made; shared by all its sessions.
+struct Site {
+  BuildingId building;
+  std::optional<Georeference> georeference;
+  MagneticField magnetic_field;
+  std::vector<Floor> floors;
+  std::vector<ReferencePoint> survey;
+  std::uint64_t radio_map_version = 0;
+};
+
+/// One pipeline prepared for one building: radio map, fields and grids built once, shared by its sessions.
+///
+/// Immutable and thread-safe; make_tracker() is cheap.
+class TrackerFactory {
+ public:
+  virtual ~TrackerFactory() = default;
+  virtual std::unique_ptr<class Tracker> make_tracker(Random random) const = 0;
+  virtual const PipelineSpec& spec() const = 0;
+};
+
+/// One phone's position over time: takes evidence in time order, answers with positions.
+///
+/// Motion and scans are in the phone's time; a heading against magnetic or true axes is turned into the building's frame
+/// here. Thread: confined to one session. Same evidence and same generator, same bits.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  virtual void feed(const MotionReport& motion) = 0;
+  virtual void feed(const RssScan& scan) = 0;
+  virtual void feed(const GnssFix& fix) = 0;
+  /// The best causal estimate for `at`, no earlier than the newest evidence fed; absent before the first fix.
+  virtual std::optional<FusedPosition> position(PhoneTime at) const = 0;
+  /// Why there is none: kEmptyRadioMap, kNoKnownAccessPoint, or merely nothing heard yet.
+  virtual Fault why_no_fix() const = 0;
+};
+
+/// Builds the parts a spec names over a site. The only function that sees all parts.
+Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec, std::shared_ptr<const Site> site);
+
+}  // namespace wayfuse
