@@ -48,6 +48,8 @@ class Tracker {
   virtual std::optional<FusedPosition> position(PhoneTime at) const = 0;
   /// Why there is none: kEmptyRadioMap, kNoKnownAccessPoint, or merely nothing heard yet.
   virtual Fault why_no_fix() const = 0;
+  /// An exact copy, generator included: a session rewinds to it when evidence arrives out of order.
+  virtual std::unique_ptr<Tracker> clone() const = 0;
 };
 
 /// Builds the parts a spec names over a site. The only function that sees all parts.

@@ -34,6 +34,10 @@ struct Limits {
 // ---------------------------------------------------------------- client -> server
 
 /// Asks to go on with an earlier session.
+///
+/// The session is whole (`recovered`) if the server still has it and applied everything the client no longer keeps, so
+/// that `acked_through` is not beyond what was applied. Otherwise a new session begins at `acked_through`: numbers go on
+/// from there, and what the client still keeps is sent and applied.
 struct Resume {
   std::string session;             ///< as given in `welcome`
   std::uint64_t epoch = 0;         ///< of the server that gave it
@@ -95,8 +99,8 @@ struct Goodbye {
 struct Welcome {
   std::string session;             ///< name for a later resume
   std::uint64_t epoch = 0;         ///< changes when the server lost its sessions
-  std::uint64_t applied_through = 0;  ///< highest sample applied in this session
-  bool recovered = false;          ///< on resume: the session is whole; otherwise it starts anew
+  std::uint64_t applied_through = 0;  ///< the next sample must be this plus one; 0 in a session never resumed
+  bool recovered = false;          ///< on resume: the session is whole; otherwise it starts anew at `acked_through`
   BuildingId building;             ///< 0 = not resolved yet
   std::string building_name;
   std::optional<Georeference> georeference;
