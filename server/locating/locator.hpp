@@ -1,18 +1,48 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "wayfuse/proto/fix.hpp"
 #include "wayfuse/proto/scan.hpp"
 
 namespace wayfuse {
 
-/// An absolute place from one scan. Made for one radio map; thread: confined to one session.
+/// A distance from a transmitter whose place is known or estimated.
+struct TransmitterRange {
+  BuildingPoint transmitter;
+  double distance_m = 0.0;         ///< horizontal
+  double sigma_m = 0.0;
+};
+
+/// What one scan says about the phone's place. Made for one radio map, immutable and shared; the object itself holds the
+/// newest scan's answer and is confined to one session.
+///
+/// Every locator answers with a fix. One that knows more says so through the optional calls, which speak of the scan given
+/// to the newest locate().
 class Locator {
  public:
   virtual ~Locator() = default;
   /// Absent when the scan holds no transmitter the map knows: that is normal, not a fault.
   virtual std::optional<Fix> locate(const RssScan& scan) = 0;
+
+  /// Floor votes, descending, summing to 1; empty before the first answer.
+  virtual std::span<const FloorProbability> floors() const { return {}; }
+  /// Known and unknown transmitters in the newest scan.
+  virtual int transmitters_known() const = 0;
+  virtual int transmitters_unknown() const = 0;
+
+  /// Horizontal distances, where the locator works with them (`ranges` measurement).
+  virtual std::span<const TransmitterRange> ranges() const { return {}; }
+
+  /// Whether log_likelihood() answers (`field` measurement).
+  virtual bool has_likelihood() const { return false; }
+  /// Adds log p(scan | point) on `floor`, up to a constant of the scan, to `log_likelihood`. All spans have the same length.
+  virtual void add_log_likelihood(std::span<const float> /*x_m*/, std::span<const float> /*y_m*/, FloorOrdinal /*floor*/,
+                                  std::span<float> /*log_likelihood*/) const {}
+
+  /// Where the tracker believes the newest scan was heard: lets a locator learn online ([P3 algorithm 2]).
+  virtual void learn(const RssScan& /*scan*/, const Place& /*fused*/) {}
 };
 
 }  // namespace wayfuse

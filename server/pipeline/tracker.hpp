@@ -24,13 +24,23 @@ struct Site {
   std::uint64_t radio_map_version = 0;
 };
 
+/// A place the caller knows the phone to be at when tracking begins (a door, a QR code, a measured start).
+///
+/// `dead-reckoning` gives no position without one; the other pipelines start from it instead of the first fix.
+struct KnownStart {
+  Place place;
+  double sigma_m = 0.5;
+  std::optional<Heading> heading;  ///< local frame, of the walker; needed where the phone's heading is arbitrary
+};
+
 /// One pipeline prepared for one building: radio map, fields and grids built once, shared by its sessions.
 ///
 /// Immutable and thread-safe; make_tracker() is cheap.
 class TrackerFactory {
  public:
   virtual ~TrackerFactory() = default;
-  virtual std::unique_ptr<class Tracker> make_tracker(Random random) const = 0;
+  /// Replay is exact: the same generator and the same evidence give the same bits, on every machine.
+  virtual std::unique_ptr<class Tracker> make_tracker(Random random, const std::optional<KnownStart>& start = {}) const = 0;
   virtual const PipelineSpec& spec() const = 0;
 };
 

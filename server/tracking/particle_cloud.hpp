@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace wayfuse {
+
+/// N particles as packed columns of floats (structure of arrays), each column padded to a multiple of 16.
+///
+/// Positions are metres in the pipeline's frame, which lies within a few kilometres of its origin, so that a float is good
+/// to a millimetre. Weights are logarithms and need not be normalised. A column a motion model does not use stays empty.
+/// Thread: confined to one session.
+class ParticleCloud {
+ public:
+  enum Column : unsigned { kX, kY, kVx, kVy, kHeadingBias, kStrideScale, kLogWeight, kColumns };
+  /// Bit set of optional columns; x, y and the weight are always there.
+  enum : unsigned { kVelocity = 1u << kVx | 1u << kVy, kBias = 1u << kHeadingBias, kScale = 1u << kStrideScale };
+
+  ParticleCloud() = default;
+  ParticleCloud(std::size_t size, unsigned optional_columns);
+
+  std::size_t size() const { return size_; }
+  bool has(Column column) const { return !column_[column].empty(); }
+
+  std::span<float> operator[](Column column) { return {column_[column].data(), has(column) ? size_ : 0}; }
+  std::span<const float> operator[](Column column) const { return {column_[column].data(), has(column) ? size_ : 0}; }
+  std::span<float> x_m() { return (*this)[kX]; }
+  std::span<float> y_m() { return (*this)[kY]; }
+  std::span<float> vx_mps() { return (*this)[kVx]; }
+  std::span<float> vy_mps() { return (*this)[kVy]; }
+  std::span<float> heading_bias_rad() { return (*this)[kHeadingBias]; }
+  std::span<float> stride_scale() { return (*this)[kStrideScale]; }
+  std::span<float> log_weight() { return (*this)[kLogWeight]; }
+  std::span<const float> x_m() const { return (*this)[kX]; }
+  std::span<const float> y_m() const { return (*this)[kY]; }
+  std::span<const float> vx_mps() const { return (*this)[kVx]; }
+  std::span<const float> vy_mps() const { return (*this)[kVy]; }
+  std::span<const float> heading_bias_rad() const { return (*this)[kHeadingBias]; }
+  std::span<const float> stride_scale() const { return (*this)[kStrideScale]; }
+  std::span<const float> log_weight() const { return (*this)[kLogWeight]; }
+
+  /// Shifts the log weights so that the weights sum to 1. False, and equal weights, when no particle has a finite weight.
+  bool normalise();
+  /// 1 / sum of squared weights, of normalised weights: 1..N.
+  double effective_size() const;
+  /// Particle i becomes a copy of particle ancestors[i]; all weights become equal. Allocates nothing after the first call.
+  void take(std::span<const std::uint32_t> ancestors);
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<float> column_[kColumns];
+  std::vector<float> spare_;
+};
+
+}  // namespace wayfuse
