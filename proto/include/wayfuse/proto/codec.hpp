@@ -31,5 +31,9 @@ Result<ServerMessage> decode_server_message(std::string_view frame, Encoding enc
 Result<void> check(const MotionReport& motion, std::string_view path);
 Result<void> check(const RssScan& scan, std::string_view path);
 Result<void> check(const ReferencePoint& point, std::string_view path);
+Result<void> check(const GnssFix& fix, std::string_view path);
+/// Of whole messages, before they are encoded: ranges, counts, texts, consecutive sample numbers (not the encoded size).
+Result<void> check(const ClientMessage& message);
+Result<void> check(const ServerMessage& message);
 
 }  // namespace wayfuse

@@ -27,8 +27,19 @@ struct Limits {
   static constexpr std::size_t kSamplesPerBatch = 1024;
   static constexpr std::size_t kPointsPerBatch = 256;
   static constexpr std::size_t kScansPerPoint = 64;
+  static constexpr std::size_t kMarksPerWalkPart = 256;
+  static constexpr std::size_t kMotionPerWalkPart = 1024;
+  static constexpr std::size_t kScansPerWalkPart = 256;
+  static constexpr std::size_t kObservedPerMessage = 64;   ///< the server splits larger views
+  static constexpr std::size_t kFloorsPerMessage = 64;
+  static constexpr std::size_t kNamesPerFilter = 256;
   static constexpr std::size_t kStringBytes = 256;
+  static constexpr std::size_t kCauseBytes = 1024;         ///< a fault's cause may list what is known
+  static constexpr std::size_t kKeyBytes = 64;             ///< idempotency keys, session names
+  static constexpr std::size_t kTicketBytes = 32 * 1024;   ///< sealed, before base64
   static constexpr int kDepth = 8;
+  /// Every integer on the wire is exact in a double, so that JavaScript reads it: ids, epochs, versions, sequences, times.
+  static constexpr std::int64_t kLargestInteger = (std::int64_t{1} << 53) - 1;
 };
 
 // ---------------------------------------------------------------- client -> server
@@ -42,6 +53,7 @@ struct Resume {
   std::string session;             ///< as given in `welcome`
   std::uint64_t epoch = 0;         ///< of the server that gave it
   std::uint64_t acked_through = 0; ///< highest sample number the client knows as applied
+  std::string ticket;              ///< newest sealed ticket, bytes; empty = none. Lets another server go on with the session
   bool operator==(const Resume&) const = default;
 };
 
@@ -80,11 +92,51 @@ struct SurveyBatch {
   bool operator==(const SurveyBatch&) const = default;
 };
 
-/// What an observer wants to see.
+/// The surveyor stood here at that moment of a walk.
+struct WayPoint {
+  PhoneTime time;
+  Place place;
+  double sigma_m = 0.0;             ///< how well the surveyor knew the place
+  bool operator==(const WayPoint&) const = default;
+};
+
+/// A survey walk as it was recorded: marks, the motion between them, and scans at their own times. The server places the
+/// scans. Long walks go up in parts 0, 1, ..; each part has its own idempotency key and is durable when acknowledged, and the
+/// scans are placed when the `last` part and all before it are there.
+struct SurveyWalk {
+  std::string idempotency_key;      ///< of this part
+  std::string walk;                 ///< names the walk, the same in all parts; unique in the building
+  std::uint32_t part = 0;           ///< 0..9999
+  bool last = true;
+  std::string device_model;
+  UnixTime wall_time;               ///< the same instant on two clocks: `wall_time` and `phone_time`
+  PhoneTime phone_time;
+  std::vector<WayPoint> marks;      ///< ascending in time, as are the next two
+  std::vector<MotionReport> motion;
+  std::vector<RssScan> scans;
+  bool operator==(const SurveyWalk&) const = default;
+};
+
+/// What an observer wants to see. A later one replaces the earlier.
 struct Subscribe {
   std::vector<FloorOrdinal> floors; ///< empty = all
-  Duration min_interval{0};         ///< newest wins in between
+  std::vector<std::string> tracked; ///< public session names; empty = all
+  Duration min_interval{0};         ///< of one tracked phone; the newest wins in between
+  bool positions = true;
+  bool zone_events = false;
   bool operator==(const Subscribe&) const = default;
+};
+
+/// A fresh token before the old one expires; the session goes on. Answered by TokenAccepted or a fault.
+struct TokenRefresh {
+  std::string token;
+  bool operator==(const TokenRefresh&) const = default;
+};
+
+/// Asks what time it is there; also tells a live application from a socket that merely answers pings.
+struct ClockProbe {
+  PhoneTime phone_time;             ///< when this was sent
+  bool operator==(const ClockProbe&) const = default;
 };
 
 /// The client leaves for good: the session ends.
@@ -95,14 +147,24 @@ struct Goodbye {
 
 // ---------------------------------------------------------------- server -> client
 
-/// Answer to Hello.
+/// A floor's label for people.
+struct FloorName {
+  FloorOrdinal floor;
+  std::string label;
+  bool operator==(const FloorName&) const = default;
+};
+
+/// Answer to Hello. Sent again in the same session whenever what it says has changed: the building was resolved, a new radio
+/// map or pipeline came into force.
 struct Welcome {
-  std::string session;             ///< name for a later resume
+  std::string session;             ///< secret name for a later resume
+  std::string tracked;             ///< public name, as observers see it; resumes nothing
   std::uint64_t epoch = 0;         ///< changes when the server lost its sessions
   std::uint64_t applied_through = 0;  ///< the next sample must be this plus one; 0 in a session never resumed
   bool recovered = false;          ///< on resume: the session is whole; otherwise it starts anew at `acked_through`
   BuildingId building;             ///< 0 = not resolved yet
   std::string building_name;
+  std::vector<FloorName> floors;   ///< ascending
   std::optional<Georeference> georeference;
   MagneticField magnetic_field;
   std::string pipeline;            ///< in force
@@ -110,6 +172,7 @@ struct Welcome {
   UnixTime server_wall_time;
   Duration keep_alive{0};          ///< the server pings this often
   Duration sample_ring{0};         ///< keep unacknowledged samples this long
+  Duration token_expires_in{0};    ///< 0 = it does not
   bool operator==(const Welcome&) const = default;
 };
 
@@ -120,10 +183,10 @@ struct Ack {
   bool operator==(const Ack&) const = default;
 };
 
-/// The batch is durable: said only after COMMIT.
+/// The batch or walk part is durable: said only after COMMIT.
 struct SurveyAck {
   std::string idempotency_key;
-  std::uint32_t stored = 0;        ///< points now in the store by this batch
+  std::uint32_t stored = 0;        ///< points (of a walk: scans) now in the store by it
   std::uint64_t survey_version = 0;   ///< of the survey, after it
   bool operator==(const SurveyAck&) const = default;
 };
@@ -151,8 +214,50 @@ struct Observed {
   bool operator==(const Observed&) const = default;
 };
 struct Observation {
-  std::vector<Observed> tracked;
+  std::vector<Observed> tracked;   ///< at most Limits::kObservedPerMessage
   bool operator==(const Observation&) const = default;
+};
+
+/// A tracked phone crossed a zone's boundary, beyond its tolerances.
+enum class ZoneTransition : std::uint8_t { kEntered, kLeft };
+struct ZoneEvent {
+  std::string tracked;
+  std::string zone;                ///< its id
+  std::string zone_name;
+  ZoneTransition transition = ZoneTransition::kEntered;
+  UnixTime at;
+  FloorOrdinal floor;
+  double probability = 0.0;        ///< mass of the position inside the zone
+  bool operator==(const ZoneEvent&) const = default;
+};
+
+/// The fresh token is in force.
+struct TokenAccepted {
+  Duration expires_in{0};          ///< 0 = it does not
+  bool operator==(const TokenAccepted&) const = default;
+};
+
+/// Answer to ClockProbe: the server's wall clock between receiving and answering.
+struct ClockAnswer {
+  PhoneTime phone_time;            ///< as asked
+  UnixTime server_wall_time;
+  bool operator==(const ClockAnswer&) const = default;
+};
+
+/// How often scans would help now; the application keeps its platform's limits.
+struct ScanHint {
+  Duration interval{0};            ///< wished between scans; 0 = none needed for now (at rest, position is good)
+  bool ranging = false;            ///< time-of-flight ranging would help
+  std::string reason;
+  bool operator==(const ScanHint&) const = default;
+};
+
+/// The session's state sealed by the server: opaque, for Resume on this or another server.
+struct Ticket {
+  std::string sealed;              ///< bytes
+  std::uint64_t applied_through = 0;
+  Duration expires_in{0};
+  bool operator==(const Ticket&) const = default;
 };
 
 /// Something was wrong; whether the connection lives on is the fault table's word.
@@ -171,7 +276,8 @@ struct GoAway {
   bool operator==(const GoAway&) const = default;
 };
 
-using ClientMessage = std::variant<Hello, SampleBatch, SurveyBatch, Subscribe, Goodbye>;
-using ServerMessage = std::variant<Welcome, Ack, SurveyAck, Position, NoFix, Observation, FaultReport, GoAway>;
+using ClientMessage = std::variant<Hello, SampleBatch, SurveyBatch, SurveyWalk, Subscribe, TokenRefresh, ClockProbe, Goodbye>;
+using ServerMessage = std::variant<Welcome, Ack, SurveyAck, Position, NoFix, Observation, ZoneEvent, TokenAccepted, ClockAnswer,
+                                   ScanHint, Ticket, FaultReport, GoAway>;
 
 }  // namespace wayfuse

@@ -23,7 +23,7 @@ struct MotionReport {
   Heading heading;                       ///< walking direction at the end, against `reference`
   double heading_sigma_rad = 0.0;        ///< 1 standard deviation, 0..pi
   HeadingReference reference = HeadingReference::kMagnetic;
-  double turn_rate_radps = 0.0;          ///< mean over the interval, counter-clockwise positive, -35..35
+  double turn_rate_radps = 0.0;          ///< mean over the interval, counter-clockwise positive, within 2,000 deg/s
   std::uint16_t steps = 0;               ///< completed in the interval
   double step_length_m = 0.0;            ///< mean of those steps, 0..3
   std::optional<double> speed_mps;       ///< mean horizontal speed, 0..20, where the phone knows it apart from steps
