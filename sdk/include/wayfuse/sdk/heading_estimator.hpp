@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "wayfuse/proto/heading.hpp"
@@ -28,6 +29,16 @@ struct Attitude {
   bool at_rest = false;
 };
 
+/// What became of the readings fed so far, one count a reading.
+struct SampleCounts {
+  std::uint64_t used = 0;
+  std::uint64_t duplicate = 0;    ///< same time as the sensor's newest
+  std::uint64_t stale = 0;        ///< older than the sensor's newest
+  std::uint64_t not_finite = 0;
+  std::uint64_t overrange = 0;    ///< beyond what a phone can measure
+  bool operator==(const SampleCounts&) const = default;
+};
+
 /// How the phone is turned, from its MARG samples. One instance a phone; thread: confined to its owner.
 class HeadingEstimator {
  public:
@@ -36,8 +47,9 @@ class HeadingEstimator {
   virtual void feed(const MargSample& sample) = 0;
   /// Absent until gravity was seen.
   virtual std::optional<Attitude> attitude() const = 0;
-  /// What the building knows of its magnetic field; may come at any time.
+  /// What the building knows of its magnetic field; may come at any time. With a norm, headings become true ones.
   virtual void expect(const MagneticField& field) = 0;
+  virtual SampleCounts counts() const = 0;
 };
 
 }  // namespace wayfuse
