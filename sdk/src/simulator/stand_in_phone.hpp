@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+
+#include "sdk/src/simulator/propagation.hpp"
+#include "sdk/src/simulator/scanner.hpp"
+#include "sdk/src/simulator/sensors.hpp"
+#include "sdk/src/simulator/walker.hpp"
+#include "wayfuse/sdk/recording.hpp"
+
+namespace wayfuse::simulator {
+
+struct StandInSettings {
+  Device device;
+  Carrying carrying = Carrying::kTexting;
+  ScannerSettings scanner;
+  PhoneTime start{from_seconds(1000)};   ///< of the walk, on the phone's clock
+};
+
+/// A phone in a walker's hand: its sensor callbacks in the order an operating system would make them.
+///
+/// Same world, walker, settings and generator: the same events, bit for bit. Thread: confined to its owner.
+class StandInPhone {
+ public:
+  StandInPhone(const World& world, const Propagation& propagation, const Walker& walker, const StandInSettings& settings,
+               Random random);
+
+  /// The next callback: motion sensors or a scan; nothing when the walk is over.
+  std::optional<RecordedEvent> next();
+  /// When that will be.
+  PhoneTime next_time() const;
+  Truth truth(PhoneTime time) const { return walker_.at(time - settings_.start); }
+  PhoneTime end() const { return settings_.start + walker_.length(); }
+  const Device& device() const { return settings_.device; }
+
+ private:
+  const Walker& walker_;
+  StandInSettings settings_;
+  MotionSensors sensors_;
+  Scanner scanner_;
+  Duration next_marg_{0};
+  Duration period_;
+};
+
+}  // namespace wayfuse::simulator
