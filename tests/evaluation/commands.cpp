@@ -1,0 +1,7 @@
+#include "tests/evaluation/commands.hpp"
+
+namespace wayfuse {
+
+std::vector<AddCommand> evaluation_commands() { return {add_site_command}; }
+
+}  // namespace wayfuse

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace wayfuse {
+
+/// Adds one subcommand; when it is parsed it sets `chosen` to its work, whose value is the exit status.
+using AddCommand = void (*)(CLI::App& app, std::function<int()>& chosen);
+
+/// One file a subcommand; a new one is a file, a line here and a row in commands.cpp.
+void add_site_command(CLI::App& app, std::function<int()>& chosen);
+
+std::vector<AddCommand> evaluation_commands();
+
+}  // namespace wayfuse

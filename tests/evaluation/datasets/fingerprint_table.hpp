@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/result.hpp"
+
+namespace wayfuse {
+
+/// One scan of a fingerprint collection, with where it was taken. Only what was heard stands in it.
+struct TabledScan {
+  struct Heard {
+    std::uint16_t access_point = 0;      ///< column
+    double rss_dbm = 0.0;
+  };
+  std::vector<Heard> heard;              ///< ascending columns
+  BuildingPoint point;                   ///< in the units of the file
+  FloorOrdinal floor;
+  int building = 0;
+  int user = 0;                          ///< 0 = not told
+  int phone = 0;
+  std::int64_t unix_s = 0;
+};
+
+/// A fingerprint collection: rows of scans over fixed columns of access points.
+struct FingerprintTable {
+  std::size_t access_points = 0;
+  std::vector<TabledScan> scans;
+};
+
+/// How UJIIndoorLoc's coordinates are read. They are Web-Mercator units at latitude 39.99 degrees: true metres are 0.766 of
+/// them. Publications take them for metres.
+inline constexpr double kUjiMetresPerUnit = 0.7660;
+
+/// UJIIndoorLoc: header; access points (100 = not heard), then LONGITUDE, LATITUDE, FLOOR, BUILDINGID, ..., TIMESTAMP, found
+/// by name. Faults name file, line and column.
+Result<FingerprintTable> read_uji(const std::string& file);
+
+/// Tampere-like collections: one file of levels (100 = not heard), one of `x,y,z` in the same order; no headers. Floors are
+/// the distinct heights, ascending from 0.
+Result<FingerprintTable> read_levels_and_places(const std::string& levels_file, const std::string& places_file);
+
+}  // namespace wayfuse

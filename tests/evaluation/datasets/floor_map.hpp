@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/result.hpp"
+
+namespace wayfuse {
+
+/// A point on the Web-Mercator plane (EPSG:3857), in its own stretched metres.
+struct MercatorPoint {
+  double x = 0.0;
+  double y = 0.0;
+};
+MercatorPoint to_mercator(GeoPoint point);
+GeoPoint to_geo(MercatorPoint point);
+
+/// A floor's plan in the floor's own frame: metres, the origin at the lower left corner of the outline's bounding box, x to
+/// the east, y to the north.
+///
+/// The maps are drawn on the Web-Mercator plane; `floor_info.json` tells the true width of the outline, and so the scale.
+struct FloorMap {
+  Polygon outline;                       ///< empty = no map
+  Polygon walkable;                      ///< the outline with shops and rooms cut out
+  std::optional<MercatorPoint> corner;   ///< where the origin lies
+  double metres_per_unit = 1.0;          ///< of the Mercator plane
+
+  GeoPoint corner_geo() const;           ///< precondition: there is a corner
+  BuildingPoint corner_seen_from(const FloorMap& other) const;
+};
+
+/// Reads `geojson_map.json` and `floor_info.json`; a missing file is a complaint, a broken one a fault.
+Result<FloorMap> read_floor_map(const std::string& folder, std::vector<std::string>& complaints);
+
+/// Shifts outline and walkable area.
+void move_by(Floor& floor, BuildingPoint offset);
+
+}  // namespace wayfuse

@@ -1,0 +1,146 @@
+#include "tests/evaluation/datasets/recorded_site.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "tests/evaluation/datasets/floor_map.hpp"
+#include "tests/evaluation/datasets/text_line.hpp"
+
+namespace wayfuse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kWalkFolder = "path_data_files";
+
+std::vector<fs::path> sorted_entries(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(folder)) entries.push_back(entry.path());
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+std::vector<fs::path> floor_folders(const fs::path& folder) {
+  if (fs::is_directory(folder / kWalkFolder)) return {folder};
+  std::vector<fs::path> found;
+  for (const fs::path& entry : sorted_entries(folder)) {
+    if (fs::is_directory(entry / kWalkFolder)) found.push_back(entry);
+  }
+  return found;
+}
+
+// The site itself, or the only site inside the folder given.
+fs::path site_folder(const fs::path& folder) {
+  if (!floor_folders(folder).empty()) return folder;
+  std::vector<fs::path> sites;
+  for (const fs::path& entry : sorted_entries(folder)) {
+    if (fs::is_directory(entry) && !floor_folders(entry).empty()) sites.push_back(entry);
+  }
+  return sites.size() == 1 ? sites.front() : folder;
+}
+
+// `B2` -> -2, `F1`, `1F`, `L1` -> 0, `G`, `GF` -> 0, `LG` -> -1; absent if the label says nothing.
+std::optional<int> said_by(const std::string& label, bool ground_named) {
+  std::string letters;
+  std::string digits;
+  for (const char c : label) {
+    if (std::isalpha(static_cast<unsigned char>(c))) letters += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (std::isdigit(static_cast<unsigned char>(c))) digits += c;
+  }
+  if (digits.size() > 3) return std::nullopt;
+  const int n = digits.empty() ? 0 : std::atoi(digits.c_str());
+  if (letters == "G" || letters == "GF") return digits.empty() || n == 0 ? 0 : n - 1;
+  if (letters == "LG" || letters == "LGF") return n == 0 ? -1 : -n;
+  if (letters == "B" || letters == "BF") return n == 0 ? -1 : -n;
+  if (digits.empty()) return std::nullopt;
+  if (letters == "F" || letters == "L" || letters.empty()) return n == 0 ? 0 : ground_named ? n : n - 1;
+  return std::nullopt;
+}
+
+bool names_ground(const std::string& label) {
+  std::string upper;
+  for (const char c : label) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return upper == "G" || upper == "GF";
+}
+
+}  // namespace
+
+std::vector<FloorOrdinal> floor_ordinals(const std::vector<std::string>& labels) {
+  const bool ground_named = std::any_of(labels.begin(), labels.end(), names_ground);
+  std::vector<std::optional<int>> said;
+  std::set<int> taken;
+  for (const std::string& label : labels) {
+    auto ordinal = said_by(label, ground_named);
+    if (ordinal && !taken.insert(*ordinal).second) ordinal.reset();
+    said.push_back(ordinal);
+  }
+  std::vector<std::size_t> silent;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (!said[i]) silent.push_back(i);
+  }
+  std::sort(silent.begin(), silent.end(), [&](std::size_t a, std::size_t b) { return labels[a] < labels[b]; });
+  int next = taken.empty() ? 0 : *taken.rbegin() + 1;
+  for (const std::size_t i : silent) said[i] = next++;
+  std::vector<FloorOrdinal> ordinals;
+  for (const auto& ordinal : said) ordinals.push_back({*ordinal});
+  return ordinals;
+}
+
+const Floor* RecordedSite::floor(FloorOrdinal ordinal) const {
+  const auto found = std::find_if(floors.begin(), floors.end(), [&](const Floor& f) { return f.ordinal == ordinal; });
+  return found == floors.end() ? nullptr : &*found;
+}
+
+Result<RecordedSite> read_site(const std::string& folder, const std::vector<std::string>& only_floors) {
+  if (!fs::is_directory(folder)) return Fault{FaultCode::kNotFound, folder, "is not a folder"};
+  const fs::path root = site_folder(folder);
+  const std::vector<fs::path> folders = floor_folders(root);
+  if (folders.empty()) {
+    return Fault{FaultCode::kNotFound, folder, "holds no <floor>/path_data_files: give the folder of one site"};
+  }
+  RecordedSite site;
+  site.name = fs::path(root / "").parent_path().filename().string();
+  std::vector<std::string> labels;
+  for (const fs::path& floor : folders) labels.push_back(floor.filename().string());
+  const std::vector<FloorOrdinal> ordinals = floor_ordinals(labels);
+  for (const std::string& wanted : only_floors) {
+    if (std::find(labels.begin(), labels.end(), wanted) == labels.end()) {
+      std::string known;
+      for (const std::string& label : labels) known += " " + label;
+      return Fault{FaultCode::kNotFound, "floors", wanted + " is not a floor of this site; there are:" + known};
+    }
+  }
+
+  std::vector<FloorMap> maps;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    auto map = read_floor_map(folders[i].string(), site.complaints);
+    if (!map) return map.fault();
+    maps.push_back(std::move(*map));
+  }
+  std::optional<std::size_t> nearest;  // to the ground, with a map: gives the frame
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (maps[i].corner && (!nearest || std::abs(ordinals[i].value) < std::abs(ordinals[*nearest].value))) nearest = i;
+  }
+  if (nearest) site.georeference = Georeference{maps[*nearest].corner_geo(), 0.0};
+
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    if (!only_floors.empty() && std::find(only_floors.begin(), only_floors.end(), labels[i]) == only_floors.end()) continue;
+    BuildingPoint origin{0.0, 0.0};
+    if (nearest && maps[i].corner) origin = maps[i].corner_seen_from(maps[*nearest]);
+    Floor floor{ordinals[i], labels[i], maps[i].outline, {}};
+    if (!maps[i].outline.rings.empty()) floor.walkable = {maps[i].walkable};
+    move_by(floor, origin);
+    site.floors.push_back(std::move(floor));
+    for (const fs::path& file : sorted_entries(folders[i] / kWalkFolder)) {
+      if (file.extension() == ".txt") site.walks.push_back({file.stem().string(), file.string(), ordinals[i], origin});
+    }
+  }
+  std::sort(site.floors.begin(), site.floors.end(), [](const Floor& a, const Floor& b) { return a.ordinal < b.ordinal; });
+  std::sort(site.walks.begin(), site.walks.end(), [](const WalkFile& a, const WalkFile& b) { return a.id < b.id; });
+  return site;
+}
+
+}  // namespace wayfuse

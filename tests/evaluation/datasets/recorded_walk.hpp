@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/result.hpp"
+#include "wayfuse/proto/scan.hpp"
+#include "wayfuse/proto/time.hpp"
+#include "wayfuse/sdk/heading_estimator.hpp"
+#include "wayfuse/sdk/marg.hpp"
+
+namespace wayfuse {
+
+/// Where the walker said to be.
+struct WayPoint {
+  PhoneTime time;
+  BuildingPoint point;
+};
+
+/// The phone's own idea of its attitude, for comparison only.
+struct RecordedAttitude {
+  PhoneTime time;
+  Quaternion body_to_enu;
+};
+
+/// One walk as recorded by "Indoor Location Competition 2.0" phones: what a phone's sensors and radio said, and the truth.
+///
+/// Phone time is the file's milliseconds since 1970. All lists ascend in time. A scan is a list as it arrived; `age` tells
+/// when each reading was last seen by the radio.
+struct RecordedWalk {
+  std::string id;                        ///< file name without `.txt`
+  std::string floor_label;
+  FloorOrdinal floor;
+  std::string device_model;
+  std::vector<MargSample> motion;        ///< sensors that spoke in the same millisecond share a sample
+  std::vector<RecordedAttitude> attitudes;
+  std::vector<RssScan> scans;
+  std::vector<WayPoint> way_points;      ///< building frame
+  std::vector<std::string> complaints;   ///< `file:line: cause` of every line that was left out
+
+  /// On the straight line between the way points around `time`; absent before the first and after the last.
+  std::optional<BuildingPoint> truth_at(PhoneTime time) const;
+  /// From the first way point to the last, seconds.
+  double duration_s() const;
+};
+
+/// Reads one trace file; way points are shifted by `floor_origin` into the building's frame.
+///
+/// Lines of other types (beacons, ranging) are passed over, lines that do not parse are left out and named in
+/// `complaints`; kMalformed if they are more than one in twenty, or if the file holds no way point.
+Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin);
+
+/// Which part of the data a walk belongs to, by the 64-bit FNV-1a hash of its id: a quarter tests, the rest surveys, and a
+/// sixth of the survey is set apart as the development split. Nothing is ever tuned on kTest.
+enum class Split : std::uint8_t { kSurvey, kDevelopment, kTest };
+std::uint64_t fnv1a(std::string_view text);
+Split split_of(std::string_view walk_id);
+
+}  // namespace wayfuse

@@ -1,0 +1,264 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/evaluation/datasets/attitude_trial.hpp"
+#include "tests/evaluation/datasets/fingerprint_table.hpp"
+#include "tests/evaluation/datasets/floor_map.hpp"
+#include "tests/evaluation/datasets/recorded_site.hpp"
+#include "tests/evaluation/datasets/step_trial.hpp"
+
+namespace wayfuse {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The unpacked data sets, or a loud skip.
+#define DATA_FOLDER(var, name)                                                                              \
+  const char* var##_root = std::getenv("WAYFUSE_DATA");                                                     \
+  if (var##_root == nullptr) GTEST_SKIP() << "NO DATA: set WAYFUSE_DATA to the folder of unpacked data sets"; \
+  const std::string var = std::string(var##_root) + "/" + (name);                                           \
+  if (!fs::exists(var)) GTEST_SKIP() << "NO DATA: " << var << " is missing"
+
+class Scratch : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("wayfuse-datasets-" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) {
+    const fs::path file = folder_ / name;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << text;
+    return file.string();
+  }
+  fs::path folder_;
+};
+using WalkFileTest = Scratch;
+using SiteFolder = Scratch;
+using FingerprintFile = Scratch;
+
+TEST(FloorLabels, BecomeOrdinals) {
+  const auto values = [](const std::vector<std::string>& labels) {
+    std::vector<int> result;
+    for (const FloorOrdinal ordinal : floor_ordinals(labels)) result.push_back(ordinal.value);
+    return result;
+  };
+  EXPECT_EQ(values({"B1", "F1", "F2", "F3", "F4"}), (std::vector<int>{-1, 0, 1, 2, 3}));
+  EXPECT_EQ(values({"B2", "1F", "2F"}), (std::vector<int>{-2, 0, 1}));
+  EXPECT_EQ(values({"L3", "L1"}), (std::vector<int>{2, 0}));
+  EXPECT_EQ(values({"G", "L1", "LG1"}), (std::vector<int>{0, 1, -1}));       // ground below the first floor
+  EXPECT_EQ(values({"F1", "Mezzanine", "Atrium"}), (std::vector<int>{0, 2, 1}));  // nothing said: above the top
+  EXPECT_EQ(values({"F1", "1F"}), (std::vector<int>{0, 1}));                 // never twice the same
+}
+
+TEST(Splits, FollowTheHashOfTheTraceId) {
+  // Test vectors of the 64-bit FNV-1a function.
+  EXPECT_EQ(fnv1a(""), 0xcbf29ce484222325u);
+  EXPECT_EQ(fnv1a("a"), 0xaf63dc4c8601ec8cu);
+  EXPECT_EQ(fnv1a("foobar"), 0x85944171f73967e8u);
+  EXPECT_EQ(split_of("foobar"), Split::kTest);         // 0x...e8 is a multiple of 4
+  EXPECT_EQ(split_of("a"), Split::kTest);
+}
+
+TEST_F(WalkFileTest, ReadsSensorsScansAndSortedWayPoints) {
+  const std::string file = write("w1.txt",
+                                 "#\tstartTime:1000\r\n#\tBrand:OPPO\tModel:PBCM10\tAndroidName:8\r\n"
+                                 "3000\tTYPE_WAYPOINT\t4\t0\r\n"
+                                 "1000\tTYPE_WAYPOINT\t0\t0\r\n"
+                                 "1020\tTYPE_ACCELEROMETER\t0.1\t0.2\t9.8\t3\r\n"
+                                 "1020\tTYPE_GYROSCOPE\t0\t0\t1\t3\r\n"
+                                 "1020\tTYPE_ROTATION_VECTOR\t0\t0\t0.6\t3\r\n"
+                                 "1030\tTYPE_BEACON\tuuid\t1\t2\r\n"
+                                 "2000\tTYPE_WIFI\tmy\tshop\ta8:0c:ca:03:9d:d7\t-49\t2422\t1500\r\n"
+                                 "2000\tTYPE_WIFI\t\ta8:0c:ca:03:9d:d8\t-60\t2422\t2600");
+  const auto walk = read_walk(file, {100.0, 10.0});
+  ASSERT_TRUE(walk) << to_string(walk.fault());
+  EXPECT_EQ(walk->id, "w1");
+  EXPECT_EQ(walk->device_model, "PBCM10");
+  EXPECT_TRUE(walk->complaints.empty());
+  ASSERT_EQ(walk->motion.size(), 1u);
+  EXPECT_EQ(walk->motion[0].acceleration_mps2->z, 9.8);
+  EXPECT_EQ(walk->motion[0].turn_rate_radps->z, 1.0);
+  EXPECT_FALSE(walk->motion[0].field_ut);
+  EXPECT_DOUBLE_EQ(walk->attitudes.at(0).body_to_enu.w, 0.8);
+  ASSERT_EQ(walk->scans.size(), 1u);
+  EXPECT_EQ(walk->scans[0].readings.at(0).age, std::chrono::milliseconds(500));
+  EXPECT_EQ(walk->scans[0].readings.at(1).age, Duration(0)) << "seen after it arrived: as fresh as can be";
+  EXPECT_EQ(walk->way_points.front().point, (BuildingPoint{100.0, 10.0}));
+  EXPECT_EQ(walk->truth_at(PhoneTime(std::chrono::milliseconds(1500))), (BuildingPoint{101.0, 10.0}));
+  EXPECT_FALSE(walk->truth_at(PhoneTime(std::chrono::milliseconds(999))));
+  EXPECT_FALSE(walk->truth_at(PhoneTime(std::chrono::milliseconds(3001))));
+}
+
+TEST_F(WalkFileTest, NamesTheLineItLeavesOut) {
+  std::string text = "1\tTYPE_WAYPOINT\t0\t0\n";
+  for (int i = 2; i < 50; ++i) text += std::to_string(i) + "\tTYPE_ACCELEROMETER\t0\t0\t9.8\t3\n";
+  const std::string file = write("w.txt", text + "60\tTYPE_WIFI\tx\tnot-a-mac\t-50\t2412\t50\n");
+  const auto walk = read_walk(file, {});
+  ASSERT_TRUE(walk);
+  ASSERT_EQ(walk->complaints.size(), 1u);
+  EXPECT_EQ(walk->complaints[0], file + ":50: not a BSSID: not-a-mac");
+}
+
+TEST_F(WalkFileTest, RefusesGarbageAndWalksWithoutTruth) {
+  const auto garbage = read_walk(write("g.txt", "hello\nworld\n1\tTYPE_WAYPOINT\t0\t0\n"), {});
+  ASSERT_FALSE(garbage);
+  EXPECT_NE(garbage.fault().cause.find("g.txt:1"), std::string::npos) << to_string(garbage.fault());
+  const auto blind = read_walk(write("b.txt", "1\tTYPE_ACCELEROMETER\t0\t0\t9.8\t3\n"), {});
+  ASSERT_FALSE(blind);
+  EXPECT_NE(blind.fault().cause.find("TYPE_WAYPOINT"), std::string::npos);
+}
+
+// A square of 0.001 degrees at the equator (111.3 m), one shop in its lower left quarter, drawn twice.
+std::string square_map(double west_deg) {
+  const auto ring = [&](double x0, double y0, double x1, double y1) {
+    const auto point = [&](double x, double y) { return "[" + std::to_string(west_deg + x) + "," + std::to_string(y) + "]"; };
+    return "[[" + point(x0, y0) + "," + point(x1, y0) + "," + point(x1, y1) + "," + point(x0, y1) + "," + point(x0, y0) + "]]";
+  };
+  const auto feature = [](const std::string& type, const std::string& coordinates) {
+    return R"({"type":"Feature","geometry":{"type":")" + type + R"(","coordinates":)" + coordinates + "}}";
+  };
+  return R"({"type":"FeatureCollection","features":[)" + feature("MultiPolygon", "[" + ring(0, 0, 0.001, 0.001) + "]") + "," +
+         feature("Polygon", ring(0, 0, 0.0005, 0.0005)) + "," + feature("Polygon", ring(0, 0, 0.0005, 0.0005)) + "," +
+         feature("Point", "[0,0]") + "]}";
+}
+
+TEST_F(SiteFolder, FloorsShareOneFrameAndShopsAreNotWalkable) {
+  const std::string walk = "1\tTYPE_WAYPOINT\t10\t20\n";
+  for (const char* floor : {"F1", "F2", "F3"}) write(std::string(floor) + "/path_data_files/" + floor + "w.txt", walk);
+  write("F1/geojson_map.json", square_map(0.0));
+  write("F1/floor_info.json", R"({"map_info":{"height":111.3,"width":111.3}})");
+  write("F2/geojson_map.json", square_map(0.0001));  // drawn from a corner 11.1 m further east
+  write("F2/floor_info.json", R"({"map_info":{"height":111.3,"width":111.3}})");
+  const auto site = read_site(folder_.string(), {});
+  ASSERT_TRUE(site) << to_string(site.fault());
+  ASSERT_EQ(site->floors.size(), 3u);
+  ASSERT_TRUE(site->georeference);
+  EXPECT_NEAR(site->georeference->origin.longitude_deg, 0.0, 1e-9);
+  const Floor& ground = site->floors[0];
+  EXPECT_EQ(ground.label, "F1");
+  ASSERT_EQ(ground.walkable.size(), 1u);
+  EXPECT_FALSE(contains(ground.walkable[0], {20, 20}));
+  EXPECT_TRUE(contains(ground.outline, {20, 20}));
+  EXPECT_TRUE(contains(ground.walkable[0], {80, 20}));
+  EXPECT_NEAR(site->walks[1].floor_origin.x_m, 11.13, 0.01);
+  EXPECT_TRUE(contains(site->floors[1].outline, {115, 20}));
+  EXPECT_TRUE(site->floors[2].outline.rings.empty());
+  ASSERT_EQ(site->complaints.size(), 1u);
+  EXPECT_NE(site->complaints[0].find("F3/geojson_map.json: missing"), std::string::npos);
+}
+
+TEST_F(SiteFolder, FaultsNameFolderFloorAndFile) {
+  EXPECT_EQ(read_site((folder_ / "nowhere").string(), {}).fault().code, FaultCode::kNotFound);
+  EXPECT_EQ(read_site(folder_.string(), {}).fault().code, FaultCode::kNotFound);
+  write("F1/path_data_files/w.txt", "1\tTYPE_WAYPOINT\t10\t20\n");
+  EXPECT_TRUE(read_site(folder_.string(), {}));
+  const auto floor = read_site(folder_.string(), {"F9"});
+  ASSERT_FALSE(floor);
+  EXPECT_NE(floor.fault().cause.find("there are: F1"), std::string::npos);
+  const std::string map = write("F1/geojson_map.json", "{");
+  EXPECT_EQ(read_site(folder_.string(), {}).fault().field, map);
+}
+
+TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
+  const std::string file = write("t.csv",
+                                 "WAP001,WAP002,WAP003,LONGITUDE,LATITUDE,FLOOR,BUILDINGID,SPACEID,RELATIVEPOSITION,USERID,PHONEID,TIMESTAMP\n"
+                                 "100,-50,-70,-7541.26,4864921.0,2,1,106,2,2,23,1371713733\n");
+  const auto table = read_uji(file);
+  ASSERT_TRUE(table) << to_string(table.fault());
+  ASSERT_EQ(table->scans.size(), 1u);
+  EXPECT_EQ(table->access_points, 3u);
+  ASSERT_EQ(table->scans[0].heard.size(), 2u);
+  EXPECT_EQ(table->scans[0].heard[1].access_point, 2);
+  EXPECT_EQ(table->scans[0].floor.value, 2);
+  EXPECT_EQ(table->scans[0].phone, 23);
+  const auto bad = read_uji(write("b.csv", "WAP001,LONGITUDE,LATITUDE,FLOOR\n-50,1,2,0\n-500,1,2,0\n"));
+  ASSERT_FALSE(bad);
+  EXPECT_NE(bad.fault().field.find("b.csv:3"), std::string::npos);
+}
+
+TEST_F(FingerprintFile, LevelsAndPlacesGoTogetherByLine) {
+  const auto table = read_levels_and_places(write("rss.csv", "-50,100\n100,-60\n-40,-41\n"), write("xyz.csv", "1,2,0\n3,4,3.7\n5,6,7.4\n"));
+  ASSERT_TRUE(table) << to_string(table.fault());
+  ASSERT_EQ(table->scans.size(), 3u);
+  EXPECT_EQ(table->scans[2].floor.value, 2);
+  EXPECT_EQ(table->scans[1].point, (BuildingPoint{3, 4}));
+  EXPECT_FALSE(read_levels_and_places((folder_ / "rss.csv").string(), write("few.csv", "1,2,0\n")));
+}
+
+TEST(RealData, SiteOneReadsWhole) {
+  DATA_FOLDER(folder, "ilc20/site1");
+  const auto site = read_site(folder, {});
+  ASSERT_TRUE(site) << to_string(site.fault());
+  EXPECT_EQ(site->floors.size(), 5u);
+  EXPECT_EQ(site->walks.size(), 521u);
+  std::size_t tests = 0;  // fewer than a quarter: the published sample has more, kept apart
+  for (const WalkFile& file : site->walks) tests += split_of(file.id) == Split::kTest;
+  EXPECT_EQ(tests, 78u);
+  // Every 25th walk: way points lie inside the outline, nearly all on walkable ground.
+  std::size_t points = 0;
+  std::size_t walkable = 0;
+  for (std::size_t i = 0; i < site->walks.size(); i += 25) {
+    const auto walk = read_walk(site->walks[i].path, site->walks[i].floor_origin);
+    ASSERT_TRUE(walk) << to_string(walk.fault());
+    EXPECT_TRUE(walk->complaints.empty()) << walk->complaints.front();
+    const Floor* floor = site->floor(site->walks[i].floor);
+    for (const WayPoint& point : walk->way_points) {
+      EXPECT_TRUE(contains(floor->outline, point.point)) << walk->id;
+      ++points;
+      walkable += contains(floor->walkable.at(0), point.point);
+    }
+  }
+  EXPECT_GT(walkable, points * 95 / 100);
+}
+
+TEST(RealData, UjiHasItsPublishedSize) {
+  DATA_FOLDER(folder, "ujiindoorloc");
+  const auto table = read_uji(folder + "/validationData.csv");
+  ASSERT_TRUE(table) << to_string(table.fault());
+  EXPECT_EQ(table->scans.size(), 1111u);
+  EXPECT_EQ(table->access_points, 520u);
+}
+
+TEST(RealData, BroadTrialsHaveTruthAndAMovingPhase) {
+  DATA_FOLDER(folder, "broad");
+  const auto trials = list_trials(folder);
+  ASSERT_EQ(trials.size(), 15u);
+  const auto trial = read_broad_trial(trials[0]);
+  ASSERT_TRUE(trial) << to_string(trial.fault());
+  EXPECT_EQ(trial->samples.size(), trial->truth.size());
+  const double rate_hz = static_cast<double>(trial->samples.size() - 1) / seconds(trial->samples.back().time - trial->samples.front().time);
+  EXPECT_NEAR(rate_hz, 285.714, 0.001);
+}
+
+TEST(RealData, TyrexTruthIsOnThePhonesClock) {
+  DATA_FOLDER(folder, "tyrex");
+  const auto trials = list_trials(folder);
+  ASSERT_EQ(trials.size(), 28u);
+  const auto trial = read_tyrex_trial(trials[0], TyrexField::kRaw);
+  ASSERT_TRUE(trial) << to_string(trial.fault());
+  EXPECT_EQ(trial->truth.front().time, PhoneTime(from_seconds(2.4)));  // timeAlignment.txt says -2.4 s
+  EXPECT_FALSE(trial->phone.empty());
+}
+
+TEST(RealData, OxfordStepsOnlyGrow) {
+  DATA_FOLDER(folder, "oxford-steps");
+  const auto trials = list_trials(folder);
+  ASSERT_EQ(trials.size(), 6u);
+  for (const std::string& path : trials) {
+    const auto trial = read_oxford_trial(path);
+    ASSERT_TRUE(trial) << to_string(trial.fault());
+    EXPECT_TRUE(std::is_sorted(trial->true_steps.begin(), trial->true_steps.end())) << trial->name;
+    EXPECT_GT(trial->true_steps.back(), 100) << trial->name;
+  }
+}
+
+}  // namespace
+}  // namespace wayfuse
