@@ -1,0 +1,97 @@
+#include "server/buildings/building_keeper.hpp"
+
+#include <exception>
+
+namespace wayfuse {
+
+BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run)
+    : store_(store), shelf_(shelf), run_(std::move(run)) {}
+
+void BuildingKeeper::refresh(BuildingId id) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto [work, fresh] = working_.try_emplace(id);
+    if (!fresh) {
+      work->second.again = true;
+      return;
+    }
+  }
+  begin(id);
+}
+
+void BuildingKeeper::begin(BuildingId id) {
+  store_.with_building(id, [this, id](Result<BuildingDatabase*> database) { read(id, std::move(database)); });
+}
+
+void BuildingKeeper::read(BuildingId id, Result<BuildingDatabase*> database) {
+  if (!database) return done(id, database.fault());
+  auto survey = read_survey(**database);
+  if (!survey) return done(id, survey.fault());
+  run_([this, id, survey = std::make_shared<Survey>(*std::move(survey))] { build(id, std::move(*survey)); });
+}
+
+Result<BuildingKeeper::Survey> BuildingKeeper::read_survey(BuildingDatabase& database) {
+  auto record = database.building();
+  if (!record) return record.fault();
+  Survey survey{*std::move(record), {}};
+  for (PointQuery query;;) {
+    auto page = database.points(query);
+    if (!page) return page.fault();
+    if (page->empty()) return survey;
+    query.after_id = page->back().id;
+    for (StoredPoint& stored : *page) survey.points.push_back(std::move(stored.point));
+  }
+}
+
+void BuildingKeeper::build(BuildingId id, Survey survey) {
+  try {
+    auto building = Building::make(std::move(survey.record), std::move(survey.points));
+    if (!building) return done(id, building.fault());
+    shelf_.put(*std::move(building));
+    done(id, std::nullopt);
+  } catch (const std::exception& broken) {  // out of memory over one huge survey must not end the server
+    done(id, Fault{FaultCode::kInternal, "building", broken.what()});
+  }
+}
+
+void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
+  {
+    const std::lock_guard lock(mutex_);
+    ++rebuilds_;
+    if (fault) {
+      failures_[id] = *std::move(fault);
+    } else {
+      failures_.erase(id);
+    }
+    Work& work = working_.at(id);
+    if (!work.again) {
+      working_.erase(id);
+      settled_.notify_all();
+      return;
+    }
+    work.again = false;
+  }
+  begin(id);
+}
+
+std::vector<std::pair<BuildingId, Fault>> BuildingKeeper::failures() const {
+  const std::lock_guard lock(mutex_);
+  return {failures_.begin(), failures_.end()};
+}
+
+bool BuildingKeeper::settled() const {
+  const std::lock_guard lock(mutex_);
+  return working_.empty();
+}
+
+void BuildingKeeper::settle() const {
+  std::unique_lock lock(mutex_);
+  settled_.wait(lock, [this] { return working_.empty(); });
+}
+
+std::uint64_t BuildingKeeper::rebuilds() const {
+  const std::lock_guard lock(mutex_);
+  return rebuilds_;
+}
+
+}  // namespace wayfuse

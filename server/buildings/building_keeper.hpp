@@ -1,0 +1,60 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "db/database_directory.hpp"
+#include "server/buildings/building_shelf.hpp"
+
+namespace wayfuse {
+
+/// Keeps the shelf true to the store: reads a changed building on the store's thread, builds its snapshot on a worker and
+/// swaps it in. Changes that come while one is being built are taken together in the next round.
+///
+/// Thread: any; one mutex, never held while calling out. Must outlive the store's and the workers' tasks: see settle().
+class BuildingKeeper {
+ public:
+  /// Runs a task some time later, off the caller's thread (or inline, in a simulation).
+  using Run = std::function<void(std::function<void()>)>;
+
+  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run);
+
+  void refresh(BuildingId id);
+  /// Buildings that could not be made ready, with the reason.
+  std::vector<std::pair<BuildingId, Fault>> failures() const;
+  /// Nothing is being built and nothing waits.
+  bool settled() const;
+  /// Waits until settled().
+  void settle() const;
+  std::uint64_t rebuilds() const;
+
+ private:
+  struct Work {
+    bool again = false;
+  };
+  struct Survey {
+    BuildingRecord record;
+    std::vector<ReferencePoint> points;
+  };
+  void begin(BuildingId id);
+  void read(BuildingId id, Result<BuildingDatabase*> database);
+  void build(BuildingId id, Survey survey);
+  void done(BuildingId id, std::optional<Fault> fault);
+  static Result<Survey> read_survey(BuildingDatabase& database);
+
+  DatabaseDirectory& store_;
+  BuildingShelf& shelf_;
+  const Run run_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable settled_;
+  std::map<BuildingId, Work> working_;
+  std::map<BuildingId, Fault> failures_;
+  std::uint64_t rebuilds_ = 0;
+};
+
+}  // namespace wayfuse

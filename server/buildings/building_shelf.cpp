@@ -1,0 +1,101 @@
+#include "server/buildings/building_shelf.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace wayfuse {
+namespace {
+
+std::vector<Bssid> transmitters_of(const std::vector<ReferencePoint>& survey) {
+  std::set<Bssid> heard;
+  for (const ReferencePoint& point : survey) {
+    for (const RssScan& scan : point.scans) {
+      for (const ScanReading& reading : scan.readings) heard.insert(reading.bssid);
+    }
+  }
+  return {heard.begin(), heard.end()};
+}
+
+std::size_t count_known(std::span<const Bssid> known, std::span<const Bssid> heard) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(heard, [&](Bssid bssid) { return std::ranges::binary_search(known, bssid); }));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey) {
+  std::shared_ptr<Building> building(new Building());
+  building->transmitters_ = transmitters_of(survey);
+  building->site_ = std::make_shared<const Site>(Site{.building = record.id,
+                                                      .georeference = record.georeference,
+                                                      .magnetic_field = record.magnetic_field,
+                                                      .floors = record.floors,
+                                                      .survey = std::move(survey),
+                                                      .radio_map_version = record.survey_version});
+  building->record_ = std::move(record);
+  const auto own = building->pipeline("");
+  if (!own) return own.fault();
+  return std::shared_ptr<const Building>(std::move(building));
+}
+
+Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::string& name) const {
+  const std::string& wanted = name.empty() ? record_.pipeline : name;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = pipelines_.find(wanted);
+    if (found != pipelines_.end()) return found->second;
+  }
+  const auto spec = preset(wanted);
+  if (!spec) return spec.fault();
+  const auto factory = assemble(*spec, site_);
+  if (!factory) return factory.fault();
+  const std::lock_guard lock(mutex_);
+  return pipelines_.try_emplace(wanted, *factory).first->second;
+}
+
+std::shared_ptr<const Building> BuildingShelf::find(BuildingId id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = shelf_.find(id);
+  return found != shelf_.end() ? found->second : nullptr;
+}
+
+void BuildingShelf::put(std::shared_ptr<const Building> building) {
+  const BuildingId id = building->record().id;
+  const std::lock_guard lock(mutex_);
+  shelf_[id].swap(building);  // the old snapshot, if nobody holds it, is destroyed outside the lock
+}
+
+void BuildingShelf::remove(BuildingId id) {
+  std::shared_ptr<const Building> old;
+  const std::lock_guard lock(mutex_);
+  const auto found = shelf_.find(id);
+  if (found == shelf_.end()) return;
+  old.swap(found->second);
+  shelf_.erase(found);
+}
+
+std::vector<std::shared_ptr<const Building>> BuildingShelf::all() const {
+  std::vector<std::shared_ptr<const Building>> snapshots;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [_, building] : shelf_) snapshots.push_back(building);
+  return snapshots;
+}
+
+std::optional<BuildingId> BuildingShelf::resolve(std::span<const Bssid> heard, std::size_t least) const {
+  std::optional<BuildingId> best;
+  std::size_t most = 0;
+  std::size_t second = 0;
+  for (const auto& building : all()) {
+    const std::size_t known = count_known(building->transmitters(), heard);
+    if (known > most) {
+      second = most;
+      most = known;
+      best = building->record().id;
+    } else {
+      second = std::max(second, known);
+    }
+  }
+  return most >= least && most >= 2 * second ? best : std::nullopt;
+}
+
+}  // namespace wayfuse

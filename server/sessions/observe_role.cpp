@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <set>
+
+#include "server/sessions/role.hpp"
+
+namespace wayfuse {
+namespace {
+
+/// Shows an observer where phones are: the newest of each, never a backlog. What changes while the observer is slow is seen
+/// when it has caught up [SAFETY C12].
+class ObserveRole final : public RoleConversation {
+ public:
+  ObserveRole(RoleSeat seat, BuildingId building) : world_(seat.world), output_(seat.output), building_(building) {}
+
+  bool receive(ClientMessage& message) override {
+    const auto* subscribe = std::get_if<Subscribe>(&message);
+    if (!subscribe) return false;
+    if (subscribe->zone_events) {
+      output_.send(report({FaultCode::kUnexpectedMessage, "zone_events", "this server watches no zones"}));
+      return true;
+    }
+    subscription_ = *subscribe;
+    interval_ = std::max(subscribe->min_interval, world_.settings.least_observation_interval);
+    seen_ = 0;
+    shown_.clear();
+    show();
+    return true;
+  }
+
+  void tick() override {
+    if (subscription_ && world_.clock.now() - shown_at_ >= interval_) show();
+  }
+  Duration tick_interval() const override { return subscription_ ? interval_ : Duration(std::chrono::seconds(1)); }
+  bool must_speak() const override { return false; }
+  void goodbye() override {}
+  void disconnected() override { subscription_.reset(); }
+
+ private:
+  void show() {
+    shown_at_ = world_.clock.now();
+    if (!subscription_->positions) return;
+    while (!output_.congested()) {
+      auto changes = world_.board.changes_after(seen_, building_, Limits::kObservedPerMessage);
+      const bool more = changes.observed.size() == Limits::kObservedPerMessage;
+      seen_ = changes.through;
+      Observation observation;
+      for (Observed& observed : changes.observed) {
+        if (wanted(observed)) observation.tracked.push_back(std::move(observed));
+      }
+      if (!observation.tracked.empty()) {
+        world_.counters.observations++;
+        output_.send(observation);
+      }
+      if (!more) return;
+    }
+  }
+
+  // A phone that left the floors asked for is shown once more, as gone, or its marker would stand there for ever.
+  bool wanted(Observed& observed) {
+    const auto& floors = subscription_->floors;
+    const auto& names = subscription_->tracked;
+    if (!names.empty() && std::ranges::find(names, observed.tracked) == names.end()) return false;
+    const bool here = floors.empty() || std::ranges::find(floors, observed.position.place.floor) != floors.end();
+    const bool known = shown_.contains(observed.tracked);
+    if (observed.gone || !here) {
+      shown_.erase(observed.tracked);
+      observed.gone = true;
+      return known;
+    }
+    shown_.insert(observed.tracked);
+    return true;
+  }
+
+  SessionWorld& world_;
+  SessionOutput& output_;
+  const BuildingId building_;
+  std::optional<Subscribe> subscription_;
+  Duration interval_{0};
+  ServerTime shown_at_;
+  std::uint64_t seen_ = 0;
+  std::set<std::string> shown_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<RoleConversation>> begin_observing(RoleSeat seat, const Hello& hello) {
+  const BuildingId building = hello.building.value != 0 ? hello.building : seat.rights.building;
+  const auto snapshot = building.value != 0 ? seat.world.buildings.find(building) : nullptr;
+  if (building.value != 0 && !snapshot) {
+    return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+  }
+  seat.output.send(welcome_from(seat.world, snapshot.get(), seat.rights.expires_at));
+  return std::shared_ptr<RoleConversation>(std::make_shared<ObserveRole>(std::move(seat), building));
+}
+
+}  // namespace wayfuse

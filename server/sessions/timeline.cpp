@@ -1,0 +1,68 @@
+#include "server/sessions/timeline.hpp"
+
+#include <algorithm>
+
+namespace wayfuse {
+namespace {
+
+std::size_t readings_in(const SampleBody& body) {
+  const auto* scan = std::get_if<RssScan>(&body);
+  return 1 + (scan ? scan->readings.size() : 0);
+}
+
+}  // namespace
+
+PhoneTime time_of(const SampleBody& body) {
+  return std::visit([](const auto& evidence) { return evidence.time; }, body);
+}
+
+Timeline::Timeline(std::unique_ptr<Tracker> tracker, Duration window) : window_(window), tracker_(std::move(tracker)) {
+  copies_.push_back({applied_, tracker_->clone()});
+}
+
+bool Timeline::take(const Sample& sample) {
+  const Key key{time_of(sample.body), sample.body.index(), sample.sequence};
+  if ((newest_ && *newest_ - key.time > window_) || key < copies_.front().applied) return false;
+  if (!newest_ || key.time > *newest_) newest_ = key.time;
+  if (key < applied_) rewind_before(key);
+  const auto place = std::ranges::upper_bound(evidence_, key, {}, &Evidence::key);
+  evidence_.insert(place, Evidence{key, sample.body});
+  readings_ += readings_in(sample.body);
+  return true;
+}
+
+void Timeline::catch_up() {
+  auto next = std::ranges::upper_bound(evidence_, applied_, {}, &Evidence::key);
+  for (; next != evidence_.end(); ++next) {
+    std::visit([this](const auto& body) { tracker_->feed(body); }, next->body);
+    applied_ = next->key;
+  }
+  if (newest_ &&
+      (copies_.back().applied.time == PhoneTime::min() || applied_.time - copies_.back().applied.time >= kCopyEvery)) {
+    copies_.push_back({applied_, tracker_->clone()});
+  }
+  if (readings_ > kReadingsMost) {
+    copies_.clear();
+    copies_.push_back({applied_, tracker_->clone()});
+  }
+  forget();
+}
+
+void Timeline::rewind_before(const Key& key) {
+  while (copies_.size() > 1 && copies_.back().applied > key) copies_.pop_back();
+  tracker_ = copies_.back().tracker->clone();
+  applied_ = copies_.back().applied;
+  ++rewinds_;
+}
+
+// The oldest copy must precede every straggler still let in, and the evidence after it must be at hand.
+void Timeline::forget() {
+  if (!newest_) return;
+  while (copies_.size() > 1 && copies_[1].applied.time < *newest_ - window_) copies_.pop_front();
+  while (!evidence_.empty() && evidence_.front().key <= copies_.front().applied) {
+    readings_ -= readings_in(evidence_.front().body);
+    evidence_.pop_front();
+  }
+}
+
+}  // namespace wayfuse

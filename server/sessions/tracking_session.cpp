@@ -1,0 +1,203 @@
+#include "server/sessions/tracking_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wayfuse {
+namespace {
+
+constexpr std::int64_t kConnected = std::numeric_limits<std::int64_t>::max();
+constexpr double kStillWithin_m = 0.05;
+
+}  // namespace
+
+bool sound(const FusedPosition& position) {
+  const bool finite = std::isfinite(position.place.point.x_m) && std::isfinite(position.place.point.y_m) &&
+                      std::isfinite(position.covariance.xx_m2) && std::isfinite(position.covariance.xy_m2) &&
+                      std::isfinite(position.covariance.yy_m2) && std::isfinite(position.radius68_m) &&
+                      std::isfinite(position.radius95_m) && std::isfinite(position.heading.radians()) &&
+                      std::isfinite(position.heading_sigma_rad) && std::isfinite(position.speed_mps) &&
+                      std::ranges::all_of(position.floors, [](const auto& floor) { return std::isfinite(floor.probability); });
+  const bool on_earth =
+      !position.geo || (std::isfinite(position.geo->latitude_deg) && std::isfinite(position.geo->longitude_deg));
+  return finite && on_earth && position.radius68_m >= 0 && position.radius95_m >= position.radius68_m;
+}
+
+TrackingSession::TrackingSession(SessionRequest request, std::string name, std::string tracked, std::uint64_t seed,
+                                 const BuildingShelf& buildings, ServerTime now)
+    : request_(std::move(request)),
+      name_(std::move(name)),
+      tracked_(std::move(tracked)),
+      buildings_(buildings),
+      disconnected_since_us_(now.time_since_epoch().count()),
+      random_(seed),
+      applied_through_(request_.begins_after) {
+  if (request_.building) track_in(request_.building);
+}
+
+std::uint64_t TrackingSession::attach() {
+  const std::lock_guard lock(mutex_);
+  disconnected_since_us_ = kConnected;
+  said_.reset();
+  return ++generation_;
+}
+
+bool TrackingSession::owned_by(std::uint64_t generation) const {
+  const std::lock_guard lock(mutex_);
+  return generation == generation_;
+}
+
+void TrackingSession::detach(std::uint64_t generation, ServerTime now) {
+  const std::lock_guard lock(mutex_);
+  if (generation == generation_) disconnected_since_us_ = now.time_since_epoch().count();
+}
+
+std::optional<ServerTime> TrackingSession::disconnected_since() const {
+  const std::int64_t since_us = disconnected_since_us_;
+  return since_us == kConnected ? std::nullopt : std::optional(ServerTime(Duration(since_us)));
+}
+
+std::uint64_t TrackingSession::applied_through() const {
+  const std::lock_guard lock(mutex_);
+  return applied_through_;
+}
+
+std::shared_ptr<const Building> TrackingSession::building() const {
+  const std::lock_guard lock(mutex_);
+  return building_;
+}
+
+std::string TrackingSession::pipeline() const {
+  const std::lock_guard lock(mutex_);
+  return factory_ ? factory_->spec().name : std::string();
+}
+
+TrackingSession::Outcome TrackingSession::apply(std::uint64_t generation, const SampleBatch& batch, Duration still_interval) {
+  const std::lock_guard lock(mutex_);
+  Outcome outcome;
+  outcome.owner = generation == generation_;
+  if (!outcome.owner) return outcome;
+  const std::uint64_t rewinds_before = timeline_ ? timeline_->rewinds() : 0;
+  const auto building_before = building_;
+  for (const Sample& sample : batch.samples) {
+    if (sample.sequence <= applied_through_) {
+      ++outcome.duplicates;
+      continue;
+    }
+    if (sample.sequence != applied_through_ + 1) {
+      outcome.gap_at = sample.sequence;
+      break;
+    }
+    applied_through_ = sample.sequence;
+    ++outcome.applied;
+    if (!take(sample) && ++outcome.late == 1) outcome.first_late = sample.sequence;
+    if (!timeline_ && std::holds_alternative<RssScan>(sample.body)) settle();
+  }
+  if (outcome.applied > 0) {
+    settle();
+    if (timeline_) timeline_->catch_up();
+    answer(outcome, still_interval);
+  }
+  outcome.building_changed = building_ != building_before;
+  if (timeline_ && timeline_->rewinds() > rewinds_before) outcome.rewinds = timeline_->rewinds() - rewinds_before;
+  outcome.applied_through = applied_through_;
+  return outcome;
+}
+
+// False = too late to count.
+bool TrackingSession::take(const Sample& sample) {
+  if (!placed_) hold(sample);
+  if (timeline_ && !timeline_->take(sample)) {
+    if (++late_in_a_row_ < kLateInARowMost) return false;
+    // One absurd stamp, or a phone that restarted its clock, must not silence the session for good.
+    track_in(building_);
+    if (!timeline_->take(sample)) return false;
+    newest_.reset();
+  }
+  late_in_a_row_ = 0;
+  const PhoneTime time = time_of(sample.body);
+  if (!newest_ || time >= *newest_) {
+    newest_ = time;
+    if (const auto* motion = std::get_if<MotionReport>(&sample.body)) at_rest_ = motion->at_rest;
+  }
+  return true;
+}
+
+void TrackingSession::hold(const Sample& sample) {
+  held_.push_back(sample);
+  if (held_.size() > kHeldMost) held_.pop_front();
+}
+
+// A session that has no position yet moves to the building its scans speak for, or to a newer map of its own; one that has
+// a position keeps the map it began with, so that a walk is one piece.
+void TrackingSession::settle() {
+  if (placed_) return;
+  if (!building_ && !resolve()) return;
+  const auto newest = buildings_.find(building_->record().id);
+  const bool newer = newest && newest->record().survey_version > building_->record().survey_version;
+  if (timeline_ && !newer) return;
+  track_in(newer ? newest : building_);
+  if (!timeline_) return;
+  for (const Sample& sample : held_) timeline_->take(sample);
+}
+
+bool TrackingSession::resolve() {
+  if (!newest_) return false;
+  std::vector<Bssid> heard;
+  for (const Sample& sample : held_) {
+    const auto* scan = std::get_if<RssScan>(&sample.body);
+    if (!scan || *newest_ - scan->time > kHeardWithin) continue;
+    for (const ScanReading& reading : scan->readings) heard.push_back(reading.bssid);
+  }
+  std::ranges::sort(heard);
+  heard.erase(std::ranges::unique(heard).begin(), heard.end());
+  const std::optional<BuildingId> found = buildings_.resolve(heard);
+  if (!found || (request_.only.value != 0 && *found != request_.only)) return false;
+  building_ = buildings_.find(*found);
+  return building_ != nullptr;
+}
+
+void TrackingSession::track_in(std::shared_ptr<const Building> building) {
+  building_ = std::move(building);
+  timeline_.reset();
+  const auto factory = building_->pipeline(request_.pipeline);
+  if (!factory) {
+    cannot_track_ = factory.fault();
+    return;
+  }
+  cannot_track_.reset();
+  factory_ = *factory;
+  timeline_.emplace(factory_->make_tracker(random_.split()));
+}
+
+void TrackingSession::answer(Outcome& outcome, Duration still_interval) {
+  if (!newest_) return;
+  outcome.at = timeline_ && timeline_->newest() ? *timeline_->newest() : *newest_;
+  if (!timeline_) {
+    outcome.answer = cannot_track_.value_or(
+        Fault{FaultCode::kNoBuildingMatches, "", "the access points heard so far speak for no building clearly"});
+    return;
+  }
+  std::optional<FusedPosition> position = timeline_->tracker().position(outcome.at);
+  if (position && !sound(*position)) {
+    outcome.unsound = true;
+    outcome.answer = Fault{FaultCode::kInternal, "position", "the tracker has no finite position"};
+    return;
+  }
+  if (!position) {
+    outcome.answer = timeline_->tracker().why_no_fix();
+    return;
+  }
+  placed_ = true;
+  held_.clear();
+  held_.shrink_to_fit();
+  const bool said_lately = said_ && at_rest_ && outcome.at - said_->valid_at < still_interval &&
+                           said_->place.floor == position->place.floor &&
+                           distance_m(said_->place.point, position->place.point) < kStillWithin_m;
+  if (said_lately) return;
+  said_ = position;
+  outcome.answer = *std::move(position);
+}
+
+}  // namespace wayfuse
