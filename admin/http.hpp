@@ -27,8 +27,8 @@ struct Response {
   std::string body;
 };
 
-/// An RFC 9457 problem document.
-Response problem(const Fault& fault);
+/// An RFC 9457 problem document; the status is the fault table's unless one is given.
+Response problem(const Fault& fault, int status = 0);
 
 /// Called exactly once, on any thread; server/net brings it back to the connection's strand.
 using Respond = std::function<void(Response)>;

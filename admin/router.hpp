@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "admin/http.hpp"
 #include "wayfuse/proto/place.hpp"
 #include "wayfuse/proto/result.hpp"
+#include "wayfuse/proto/time.hpp"
 
 namespace wayfuse {
 
@@ -35,6 +37,7 @@ struct Principal {
   std::string name;
   std::vector<Scope> scopes;
   BuildingId building;                     ///< 0 = all
+  std::optional<UnixTime> expires_at;
   bool may(Scope scope, BuildingId on) const;
 };
 
