@@ -75,6 +75,9 @@ class BuildingDatabase {
   /// SQLite's own backup into a new file, consistent while writers go on.
   Result<void> back_up_to(const std::filesystem::path& file);
 
+  /// What an earlier call found wrong with the file itself: kStoreCorrupt. The owner should put the file aside.
+  const std::optional<Fault>& corruption() const;
+
  private:
   struct Connection;
   explicit BuildingDatabase(std::unique_ptr<Connection> connection);

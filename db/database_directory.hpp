@@ -26,24 +26,34 @@ struct KeyRecord {
 /// that owns every connection to them.
 ///
 /// Thread: any; each call is posted to the writer thread and the callback runs there. Survey batches that arrive within
-/// 5 ms or 256 points of each other are committed together.
+/// 5 ms or 256 points of each other are committed together; a lone surveyor does not wait.
+/// Callbacks must not throw; they may call back into the directory.
 class DatabaseDirectory {
  public:
   struct Options {
-    std::string vfs;
+    std::string vfs;                     ///< SQLite VFS name; empty = the default one
+    /// False: no thread; each call and its callback run at once on the caller's thread, one commit an upload. For the
+    /// deterministic simulation and for single-threaded tools.
+    bool own_thread = true;
+    Duration gather_for = std::chrono::milliseconds(5);  ///< longest an upload waits for others to share its commit
+    std::size_t group_points = 256;                      ///< points in one commit
+    std::size_t most_waiting_points = 65'536;            ///< beyond it uploads are refused with kOverloaded
   };
-  /// Opens the folder, migrates and quick_checks every database. A corrupt building is quarantined, not fatal.
+  /// Opens the folder (making it when missing), migrates and quick_checks every database. A building that is corrupt is
+  /// quarantined: its files are kept under `building-<id>.sqlite.corrupt`, the others open. kStoreBusy when another process
+  /// has the folder.
   static Result<std::unique_ptr<DatabaseDirectory>> open(const std::filesystem::path& folder, const Options& options);
   virtual ~DatabaseDirectory() = default;
 
   /// Runs `task` on the writer thread with that building's database; kUnknownBuilding if there is none.
   virtual void with_building(BuildingId id, std::function<void(Result<BuildingDatabase*>)> task) = 0;
   virtual void store(BuildingId id, SurveyBatch batch, std::function<void(Result<SurveyAck>)> done) = 0;
+  /// Id 0 = the next free one. kConflict when the id is taken, by a quarantined building too.
   virtual void create_building(BuildingRecord building, std::function<void(Result<BuildingRecord>)> done) = 0;
 
   /// Snapshot of what is there, taken under a mutex; ascending ids.
   virtual std::vector<BuildingId> buildings() const = 0;
-  /// Buildings that could not be opened, with the reason.
+  /// Buildings that cannot be used, with the reason; one whose disk was merely full is tried again at its next use.
   virtual std::vector<std::pair<BuildingId, Fault>> quarantined() const = 0;
 
   virtual Result<std::string> server_secret() = 0;       ///< 32 bytes, made on first start

@@ -1,0 +1,89 @@
+#include "db/directory_files.hpp"
+
+#include <cerrno>
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "db/sqlite.hpp"
+
+namespace wayfuse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPrefix = "building-";
+constexpr std::string_view kSuffix = ".sqlite";
+constexpr std::string_view kCorrupt = ".sqlite.corrupt";
+
+// `building-12.sqlite` with suffix `.sqlite` -> 12; absent for any other spelling, leading zeros included.
+std::optional<BuildingId> id_in(std::string_view name, std::string_view suffix) {
+  if (name.size() <= kPrefix.size() + suffix.size() || name.substr(0, kPrefix.size()) != kPrefix ||
+      name.substr(name.size() - suffix.size()) != suffix) {
+    return std::nullopt;
+  }
+  const std::string_view digits = name.substr(kPrefix.size(), name.size() - kPrefix.size() - suffix.size());
+  BuildingId id;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id.value);
+  if (error != std::errc() || end != digits.data() + digits.size() || std::to_string(id.value) != digits || id.value == 0) {
+    return std::nullopt;
+  }
+  return id;
+}
+
+[[noreturn]] void fail(const fs::path& folder, const std::error_code& error) {
+  const int code = error.value();
+  const bool full = code == ENOSPC || code == EDQUOT || code == EROFS;
+  throw StoreError({full ? FaultCode::kStorageFull : FaultCode::kStorageFailed, folder.filename().string(), error.message()});
+}
+
+}  // namespace
+
+fs::path building_file(const fs::path& folder, BuildingId id) {
+  return folder / (std::string(kPrefix) + std::to_string(id.value) + std::string(kSuffix));
+}
+
+DirectoryFiles list_or_make(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) {
+    fs::create_directories(folder, error);
+    if (error) fail(folder, error);
+    fs::permissions(folder, fs::perms::owner_all, error);
+    if (error) fail(folder, error);
+  }
+  DirectoryFiles files;
+  fs::directory_iterator entry(folder, error);
+  if (error) fail(folder, error);
+  for (; entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (const auto id = id_in(name, kSuffix)) files.buildings.insert(*id);
+    if (const auto id = id_in(name, kCorrupt)) files.corrupt.insert(*id);
+  }
+  for (const BuildingId id : files.buildings) files.corrupt.erase(id);
+  return files;
+}
+
+void put_aside(const fs::path& folder, BuildingId id) {
+  const fs::path file = building_file(folder, id);
+  std::string mark = ".corrupt";
+  for (int attempt = 2; fs::exists(file.string() + mark); ++attempt) mark = ".corrupt-" + std::to_string(attempt);
+  std::error_code error;
+  // The log first: a database found without its log after a crash in between would look whole and be old.
+  if (fs::exists(file.string() + "-wal")) fs::rename(file.string() + "-wal", file.string() + mark + "-wal", error);
+  if (error) fail(folder, error);
+  fs::rename(file, file.string() + mark, error);
+  if (error) fail(folder, error);
+  fs::remove(file.string() + "-shm", error);
+}
+
+void remove_unfinished(const fs::path& folder, BuildingId id) {
+  const std::string file = building_file(folder, id).string();
+  for (const char* part : {"", "-wal", "-shm", "-journal"}) {
+    std::error_code error;
+    fs::remove(file + part, error);
+    if (error) fail(folder, error);
+  }
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "db/database_directory.hpp"
+#include "db/file_lock.hpp"
+#include "db/schema.hpp"
+
+namespace wayfuse {
+
+/// `server.sqlite`: the secret and the machine keys. Its lock also makes this process the folder's only writer.
+/// Thread: confined to the writer thread.
+class ServerDatabase {
+ public:
+  /// Opens the folder's server database, making it on first start. Throws StoreError.
+  ServerDatabase(const std::filesystem::path& folder, const ConnectionSettings& settings);
+
+  Result<std::string> secret();
+  Result<std::vector<KeyRecord>> keys();
+  Result<KeyRecord> add_key(KeyRecord key);
+  Result<void> revoke_key(std::uint64_t id);
+
+ private:
+  template <typename Call>
+  auto run(Call&& call) -> Result<decltype(call(std::declval<SqliteConnection&>()))>;
+
+  std::filesystem::path file_;
+  ConnectionSettings settings_;
+  FileLock lock_;
+  std::unique_ptr<SqliteConnection> sqlite_;
+};
+
+}  // namespace wayfuse

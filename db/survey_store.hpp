@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "db/building_database.hpp"
+#include "db/sqlite.hpp"
+
+namespace wayfuse {
+
+/// Writes the batches of one group into an open transaction; one answer a batch. A batch that breaks a rule is undone alone.
+/// Throws StoreError when the disk failed: then none of them may be acknowledged.
+std::vector<Result<SurveyAck>> store_batches(SqliteConnection& connection, const std::vector<SurveyBatch>& batches);
+
+std::vector<StoredPoint> read_points(SqliteConnection& connection, const PointQuery& query);
+std::vector<TransmitterRecord> read_transmitters(SqliteConnection& connection);
+
+}  // namespace wayfuse
