@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -23,6 +24,7 @@ struct TransmitterRange {
 class Locator {
  public:
   virtual ~Locator() = default;
+  virtual std::unique_ptr<Locator> clone() const = 0;
   /// Absent when the scan holds no transmitter the map knows: that is normal, not a fault.
   virtual std::optional<Fix> locate(const RssScan& scan) = 0;
 

@@ -25,6 +25,9 @@ Result<PipelineSpec> preset(std::string_view name);
 Result<PipelineSpec> parse_pipeline(std::string_view json);
 std::string to_json(const PipelineSpec& spec);
 
+/// Names, parts and settings of a spec made by hand; parse_pipeline() and assemble() check on their own.
+Result<void> check(const PipelineSpec& spec);
+
 /// Every part of every role with its settings: what the admin API and the documentation show.
 std::vector<PartDescription> part_catalogue();
 

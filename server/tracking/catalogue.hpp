@@ -16,12 +16,12 @@ struct MotionModelRow {
 };
 struct ResamplerRow {
   PartDescription description;
-  std::unique_ptr<Resampler> (*make)(const PartSettings& settings);
+  std::shared_ptr<const Resampler> (*make)(const PartSettings& settings);
 };
 struct FilterRow {
   PartDescription description;
   std::unique_ptr<Filter> (*make)(const PartSettings& settings, std::shared_ptr<const MotionModel> motion,
-                                  std::unique_ptr<Resampler> resampler);
+                                  std::shared_ptr<const Resampler> resampler);
   bool particles = false;          ///< takes measurements without a Gaussian form, needs a resampler
   bool linear_only = false;        ///< refuses models whose Jacobian depends on the state
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "server/tracking/measurement_model.hpp"
 #include "server/tracking/motion_model.hpp"
 #include "server/tracking/particle_cloud.hpp"
@@ -14,6 +16,7 @@ namespace wayfuse {
 class Filter {
  public:
   virtual ~Filter() = default;
+  virtual std::unique_ptr<Filter> clone() const = 0;
   /// Forgets everything and starts from `about`.
   virtual void start(const GaussianState& about, Random& random) = 0;
   virtual bool started() const = 0;

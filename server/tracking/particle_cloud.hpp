@@ -45,13 +45,16 @@ class ParticleCloud {
   bool normalise();
   /// 1 / sum of squared weights, of normalised weights: 1..N.
   double effective_size() const;
-  /// Particle i becomes a copy of particle ancestors[i]; all weights become equal. Allocates nothing after the first call.
-  void take(std::span<const std::uint32_t> ancestors);
+  /// Particle i becomes a copy of particle ancestors()[i]; all weights become equal.
+  void take_ancestors();
+  /// Scratch for resamplers, one entry a particle.
+  std::span<std::uint32_t> ancestors() { return ancestors_; }
 
  private:
   std::size_t size_ = 0;
   std::vector<float> column_[kColumns];
   std::vector<float> spare_;
+  std::vector<std::uint32_t> ancestors_;
 };
 
 }  // namespace wayfuse

@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/locating/catalogue.hpp"
+#include "server/pipeline/fusion_tracker.hpp"
+#include "server/pipeline/part_roles.hpp"
+#include "server/pipeline/tracker.hpp"
+#include "server/tracking/catalogue.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr double kFloatsAreGoodToM = 4000.0;  // beyond this the pipeline's frame gets an origin of its own
+
+/// A choice with its checked settings, the role's standard part where the spec is silent.
+struct Chosen {
+  std::string part;
+  PartSettings settings;
+};
+
+class Assembly {
+ public:
+  explicit Assembly(const PipelineSpec& spec) : spec_(spec), catalogue_(part_catalogue()) {}
+
+  /// Only after check(): every role and part exists.
+  Chosen chosen(std::string_view role) const {
+    PartChoice choice;
+    const auto named = spec_.parts.find(std::string(role));
+    if (named != spec_.parts.end()) {
+      choice = named->second;
+    } else {
+      choice.name = std::ranges::find(pipeline_roles(), role, &Role::name)->standard;
+    }
+    const auto part = std::ranges::find_if(
+        catalogue_, [&](const PartDescription& each) { return each.role == role && each.name == choice.name; });
+    return {choice.name, *check_settings(*part, choice, "parts." + std::string(role) + ".settings")};
+  }
+
+ private:
+  const PipelineSpec& spec_;
+  std::vector<PartDescription> catalogue_;
+};
+
+template <typename Rows>
+const auto& row_of(const Rows& rows, const std::string& name) {
+  return *std::ranges::find_if(rows, [&](const auto& row) { return row.description.name == name; });
+}
+
+BuildingPoint frame_origin(const Site& site) {
+  BuildingPoint sum;
+  double count = 0.0;
+  for (const ReferencePoint& point : site.survey) {
+    if (!std::isfinite(point.place.point.x_m) || !std::isfinite(point.place.point.y_m)) continue;
+    sum = {sum.x_m + point.place.point.x_m, sum.y_m + point.place.point.y_m};
+    count += 1.0;
+  }
+  if (count == 0.0) return {};
+  const BuildingPoint mean{std::round(sum.x_m / count), std::round(sum.y_m / count)};
+  return std::hypot(mean.x_m, mean.y_m) > kFloatsAreGoodToM ? mean : BuildingPoint{};
+}
+
+void shift(BuildingPoint& point, BuildingPoint origin) {
+  point.x_m -= origin.x_m;
+  point.y_m -= origin.y_m;
+}
+
+void shift(Polygon& polygon, BuildingPoint origin) {
+  for (Ring& ring : polygon.rings) {
+    for (BuildingPoint& point : ring) shift(point, origin);
+  }
+}
+
+/// The site's survey and floors in the pipeline's frame.
+struct Framed {
+  std::vector<ReferencePoint> survey;
+  std::vector<Floor> floors;
+
+  Framed(const Site& site, BuildingPoint origin) : survey(site.survey), floors(site.floors) {
+    for (ReferencePoint& point : survey) shift(point.place.point, origin);
+    for (Floor& floor : floors) {
+      shift(floor.outline, origin);
+      for (Polygon& polygon : floor.walkable) shift(polygon, origin);
+    }
+  }
+};
+
+Fault clash(std::string field, std::string cause) { return {FaultCode::kConflict, std::move(field), std::move(cause)}; }
+
+/// Parts that do not go together, and information that would count twice.
+Result<void> fits(const Assembly& spec) {
+  const Chosen locator = spec.chosen("locator");
+  const Chosen measurement = spec.chosen("measurement");
+  const Chosen motion = spec.chosen("motion");
+  const FilterRow& filter = row_of(filter_catalogue(), spec.chosen("filter").part);
+  if (locator.part == "none" && measurement.part != "none") {
+    return clash("parts.measurement", "`" + measurement.part + "` needs a locator, and there is none");
+  }
+  if (locator.part != "none") {
+    const LocatorRow& row = row_of(locator_catalogue(), locator.part);
+    const bool gives = measurement.part == "none" || (measurement.part == "fix" && row.gives_fix) ||
+                       (measurement.part == "ranges" && row.gives_ranges) || (measurement.part == "field" && row.gives_likelihood);
+    if (!gives) return clash("parts.measurement", "the locator `" + locator.part + "` gives no " + measurement.part);
+  }
+  if (measurement.part == "field" && !filter.particles) {
+    return clash("parts.measurement", "`field` has no Gaussian form: it needs the filter `particle`");
+  }
+  const auto model = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
+  if (model->uses_heading() && spec.chosen("azimuth").part != "none") {
+    return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's heading: it would count twice");
+  }
+  if (model->uses_distance() && spec.chosen("speed").part != "none") {
+    return clash("parts.speed", "the motion `" + motion.part + "` is already moved by the phone's speed: it would count twice");
+  }
+  return {};
+}
+
+std::function<std::unique_ptr<Filter>()> filter_maker(const Assembly& spec, std::shared_ptr<const MotionModel> motion) {
+  const Chosen filter = spec.chosen("filter");
+  const Chosen resampler = spec.chosen("resampler");
+  return [make = row_of(filter_catalogue(), filter.part).make, settings = filter.settings, motion = std::move(motion),
+          resampler = row_of(resampler_catalogue(), resampler.part).make(resampler.settings)] {
+    return make(settings, motion, resampler);
+  };
+}
+
+ReadingGateSettings readings_of(const Assembly& spec) {
+  const auto [part, settings] = spec.chosen("readings");
+  if (part == "all") return {.all = true};
+  return {false, settings["max_age_s"], settings["delay_s"], settings.on("drop_repeats")};
+}
+
+class Pipeline final : public TrackerFactory {
+ public:
+  Pipeline(PipelineSpec spec, std::shared_ptr<const PipelineParts> parts) : spec_(std::move(spec)), parts_(std::move(parts)) {}
+  std::unique_ptr<Tracker> make_tracker(Random random, const std::optional<KnownStart>& start) const override {
+    return std::make_unique<FusionTracker>(parts_, random, start);
+  }
+  const PipelineSpec& spec() const override { return spec_; }
+
+ private:
+  PipelineSpec spec_;
+  std::shared_ptr<const PipelineParts> parts_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec, std::shared_ptr<const Site> site) {
+  if (auto checked = check(spec); !checked) return checked.fault();
+  const Assembly assembly(spec);
+  if (auto fitting = fits(assembly); !fitting) return fitting.fault();
+
+  auto parts = std::make_shared<PipelineParts>();
+  parts->site = site;
+  parts->origin = frame_origin(*site);
+  const Framed framed(*site, parts->origin);
+  parts->map = RadioMap::build(framed.survey);
+  if (const Chosen locator = assembly.chosen("locator"); locator.part != "none") {
+    parts->locator = row_of(locator_catalogue(), locator.part)
+                         .prepare({parts->map, framed.survey, framed.floors}, locator.settings);
+  }
+  const Chosen motion = assembly.chosen("motion");
+  parts->motion = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
+  parts->make_filter = filter_maker(assembly, parts->motion);
+  parts->readings = readings_of(assembly);
+
+  const Chosen measurement = assembly.chosen("measurement");
+  parts->measurement = measurement.part == "fix" ? MeasurementKind::kFix : MeasurementKind::kNone;
+  if (measurement.part == "fix") parts->fix_sigma_m = measurement.settings["sigma_m"];
+  const Chosen floor = assembly.chosen("floor");
+  parts->floor = {floor.settings["memory"], floor.settings["margin"]};
+  parts->gnss = assembly.chosen("gnss").part == "fix";
+  if (const Chosen heading = assembly.chosen("heading"); heading.part == "track-kalman") {
+    parts->track_heading = true;
+    parts->heading = {heading.settings["turn_sigma_rad_rts"], heading.settings["track_sigma_m"]};
+  }
+  const Chosen recovery = assembly.chosen("recovery");
+  parts->recovery.restart = recovery.part == "restart";
+  if (parts->recovery.restart) {
+    parts->recovery.gate_sigmas = recovery.settings["gate_sigmas"];
+    parts->recovery.misses = recovery.settings.count("misses");
+  }
+  return std::shared_ptr<const TrackerFactory>(std::make_shared<Pipeline>(spec, parts));
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,287 @@
+#include "server/pipeline/fusion_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/tracking/fix_measurement.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr double kPauseS = 5.0;          // without reports for longer, the walker may be anywhere within a stroll [SAFETY C15]
+constexpr double kStrollMps = 1.0;
+constexpr double kMostSpreadM = 50.0;
+constexpr double kIdleDriftMps = 0.5;    // how fast an answer ages after the newest evidence
+constexpr double kTrackPieceM = 6.0;     // length of track a heading is read off [P1 eq. 17]
+constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;  // sigma of a uniform angle
+constexpr double kVagueHeadingRad = 0.7;
+constexpr double kStaleScanS = 15.0;
+constexpr double kSuspectS = 5.0;
+
+BuildingPoint plus(BuildingPoint a, BuildingPoint b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
+BuildingPoint minus(BuildingPoint a, BuildingPoint b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
+double length_m(BuildingPoint a) { return std::hypot(a.x_m, a.y_m); }
+double angle_rad(BuildingPoint a) { return std::atan2(a.y_m, a.x_m); }
+
+bool sound(const MotionReport& m) {
+  const double values[] = {m.heading.radians(), m.heading_sigma_rad, m.turn_rate_radps, m.step_length_m, m.distance_sigma_m,
+                           m.speed_mps.value_or(0.0)};
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value) && std::abs(value) < 1e4; }) &&
+         m.interval >= Duration{0} && m.distance_m() >= 0.0;
+}
+
+bool finite(const State& s) {
+  return std::isfinite(s.x_m) && std::isfinite(s.y_m) && std::isfinite(s.vx_mps) && std::isfinite(s.vy_mps);
+}
+
+}  // namespace
+
+FusionTracker::FusionTracker(std::shared_ptr<const PipelineParts> parts, Random random, const std::optional<KnownStart>& start)
+    : parts_(std::move(parts)),
+      random_(random),
+      locator_(parts_->locator ? parts_->locator->make() : nullptr),
+      filter_(parts_->make_filter()),
+      gate_(parts_->readings),
+      floor_(parts_->floor, parts_->map->floors()),
+      heading_(parts_->heading) {
+  if (!start) return;
+  start_at(minus(start->place.point, parts_->origin), start->sigma_m);
+  floor_.set(start->place.floor);
+  start_heading_ = start->heading;
+}
+
+FusionTracker::FusionTracker(const FusionTracker& other)
+    : parts_(other.parts_),
+      random_(other.random_),
+      locator_(other.locator_ ? other.locator_->clone() : nullptr),
+      filter_(other.filter_->clone()),
+      gate_(other.gate_),
+      floor_(other.floor_),
+      heading_(other.heading_),
+      odometry_(other.odometry_),
+      kept_(other.kept_),
+      newest_(other.newest_),
+      moved_to_(other.moved_to_),
+      filtered_to_(other.filtered_to_),
+      newest_reading_(other.newest_reading_),
+      reported_heading_rad_(other.reported_heading_rad_),
+      reference_(other.reference_),
+      start_heading_(other.start_heading_),
+      anchor_(other.anchor_),
+      speed_mps_(other.speed_mps_),
+      at_rest_(other.at_rest_),
+      misses_(other.misses_),
+      heard_scans_(other.heard_scans_),
+      restarted_(other.restarted_),
+      from_(other.from_) {}
+
+double FusionTracker::in_frame_rad(const MotionReport& motion) const {
+  Heading heading = motion.heading;
+  if (motion.reference == HeadingReference::kArbitrary) return heading.radians();
+  // Declination is clockwise from true north, a Heading turns counter-clockwise.
+  if (motion.reference == HeadingReference::kMagnetic) heading = heading.turned_by(-parts_->site->magnetic_field.declination_rad);
+  return parts_->site->georeference ? parts_->site->georeference->to_building(heading).radians() : heading.radians();
+}
+
+void FusionTracker::turn(const MotionReport& motion, double dt_s) {
+  const double reported_rad = in_frame_rad(motion);
+  const bool arbitrary = motion.reference == HeadingReference::kArbitrary;
+  if (!heading_.started() || reference_ != motion.reference) {
+    if (start_heading_) {
+      heading_.start(start_heading_->radians(), std::max(motion.heading_sigma_rad, 0.05));
+      start_heading_.reset();
+    } else if (!heading_.started() || !arbitrary) {  // onto an arbitrary origin an older absolute heading is carried over
+      heading_.start(reported_rad, arbitrary ? kLostHeadingRad : std::max(motion.heading_sigma_rad, 0.02));
+    }
+  } else if (parts_->track_heading || arbitrary) {
+    heading_.predict(wrap_angle_rad(reported_rad - *reported_heading_rad_), dt_s);
+  } else {
+    heading_.start(reported_rad, motion.heading_sigma_rad);
+  }
+  reference_ = motion.reference;
+  reported_heading_rad_ = reported_rad;
+}
+
+void FusionTracker::feed(const MotionReport& motion) {
+  if (!sound(motion)) return;
+  const PhoneTime begin = motion.time - motion.interval;
+  gate_.begin(begin);
+  if (!moved_to_) moved_to_ = begin;
+  const double dt_s = seconds(motion.time - *moved_to_);
+  if (dt_s <= 0.0) return;  // no propagation for time that did not pass
+  const double interval_s = seconds(motion.interval);
+  const double covered_s = std::min(interval_s, dt_s);
+  const double pause_s = dt_s - covered_s;
+  turn(motion, dt_s);
+
+  Motion moved{dt_s, heading_.heading_rad(), std::sqrt(heading_.variance_rad2()), 0.0, motion.distance_sigma_m, 0.0, motion.steps,
+               motion.at_rest};
+  moved.distance_m = motion.distance_m() * (interval_s > 0.0 ? covered_s / interval_s : 1.0);
+  if (pause_s > kPauseS) moved.spread_m = std::min(kStrollMps * pause_s, kMostSpreadM);
+  if (covered_s > kPauseS) moved.spread_m = std::hypot(moved.spread_m, 0.5 * moved.distance_m);  // its path may have bent
+
+  // Nobody knows where to: the mean of all directions, nearly nowhere. The reckoned path keeps its length, to be aligned by.
+  const double known = moved.heading_sigma_rad > kVagueHeadingRad ? std::exp(-0.5 * heading_.variance_rad2()) : 1.0;
+
+  odometry_.move(motion.time, moved.distance_m * std::cos(moved.heading_rad), moved.distance_m * std::sin(moved.heading_rad));
+  moved_to_ = motion.time;
+  newest_ = std::max(newest_.value_or(motion.time), motion.time);
+  speed_mps_ = moved.distance_m / dt_s;
+  at_rest_ = motion.at_rest;
+  from_.steps_since_scan += motion.steps;
+  if (!filter_->started()) return;
+  if (parts_->motion->uses_distance()) {
+    moved.distance_sigma_m = std::hypot(moved.distance_sigma_m, (1.0 - known) * moved.distance_m);
+    moved.distance_m *= known;
+    filter_->predict(moved, random_);
+    filtered_to_ = motion.time;
+  } else {
+    advance(motion.time);
+  }
+  guard_against_nan();
+}
+
+// Moves a filter that lives on time alone; one that is moved by reports waits for them.
+void FusionTracker::advance(PhoneTime time) {
+  if (!filter_->started() || parts_->motion->uses_distance()) return;
+  if (filtered_to_ && time > *filtered_to_) filter_->predict(Motion{.dt_s = seconds(time - *filtered_to_)}, random_);
+  if (!filtered_to_ || time > *filtered_to_) filtered_to_ = time;
+}
+
+void FusionTracker::feed(const RssScan& scan) {
+  newest_ = std::max(newest_.value_or(scan.time), scan.time);
+  const auto fresh = gate_.take(scan, kept_);
+  if (!locator_ || !fresh) return;
+  ++heard_scans_;
+  auto fix = locator_->locate(kept_);
+  if (!fix) return;
+  from_.transmitters_used = locator_->transmitters_known();
+  from_.transmitters_unknown = locator_->transmitters_unknown();
+  from_.steps_since_scan = 0;
+  newest_reading_ = fresh->newest;
+  floor_.update(locator_->floors());
+  fix->place.point = plus(fix->place.point, minus(odometry_.now(), odometry_.at(fresh->heard)));
+  apply(*fix);
+}
+
+void FusionTracker::apply(const Fix& fix) {
+  if (parts_->measurement == MeasurementKind::kNone) return;
+  const double sigma_m = parts_->fix_sigma_m > 0.0 ? parts_->fix_sigma_m : fix.sigma_m;
+  advance(*newest_);
+  if (fix.place.floor != floor_.floor()) return;  // a vote that was overruled says nothing about this floor
+  apply_fix(fix.place.point, sigma_m);
+  align_heading();
+}
+
+void FusionTracker::apply_fix(BuildingPoint point, double sigma_m) {
+  if (!filter_->started()) return start_at(point, sigma_m);
+  misses_ = agrees(point, sigma_m) ? 0 : misses_ + 1;
+  if (parts_->recovery.restart && misses_ >= parts_->recovery.misses) {
+    restarted_ = newest_;
+    return start_at(point, sigma_m);
+  }
+  filter_->update(FixMeasurement(point.x_m, point.y_m, sigma_m), random_);
+  guard_against_nan();
+}
+
+bool FusionTracker::agrees(BuildingPoint point, double sigma_m) const {
+  const GaussianState belief = filter_->estimate();
+  const double xx = belief.covariance[0] + sigma_m * sigma_m;
+  const double yy = belief.covariance[5] + sigma_m * sigma_m;
+  const double xy = belief.covariance[1];
+  const double dx = point.x_m - belief.mean.x_m;
+  const double dy = point.y_m - belief.mean.y_m;
+  const double squared = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
+  return squared <= parts_->recovery.gate_sigmas * parts_->recovery.gate_sigmas;
+}
+
+void FusionTracker::start_at(BuildingPoint point, double sigma_m) {
+  filter_->start(isotropic({point.x_m, point.y_m, 0.0, 0.0}, sigma_m, kStrollMps), random_);
+  filtered_to_ = newest_;
+  anchor_.reset();
+  misses_ = 0;
+}
+
+void FusionTracker::align_heading() {
+  if (!heading_.started() || !(parts_->track_heading || reference_ == HeadingReference::kArbitrary)) return;
+  const State mean = filter_->estimate().mean;
+  const BuildingPoint here{mean.x_m, mean.y_m};
+  if (anchor_) {
+    const BuildingPoint reckoned = minus(odometry_.now(), anchor_->odometry);
+    const BuildingPoint track = minus(here, anchor_->track);
+    if (length_m(reckoned) < kTrackPieceM) return;
+    // The direction of a bent track is compared with the bent path reckoned for it: on a straight one this is phi_PF.
+    const double error_rad = wrap_angle_rad(angle_rad(track) - angle_rad(reckoned));
+    if (length_m(track) > 0.3 * length_m(reckoned)) heading_.update(heading_.heading_rad() + error_rad, length_m(reckoned));
+  }
+  anchor_ = Anchor{here, odometry_.now()};
+}
+
+void FusionTracker::feed(const GnssFix& fix) {
+  if (!parts_->gnss || !parts_->site->georeference || !std::isfinite(fix.point.latitude_deg) ||
+      !std::isfinite(fix.point.longitude_deg) || !(fix.sigma_m > 0.0) || !(fix.sigma_m < 1e5)) {
+    return;
+  }
+  newest_ = std::max(newest_.value_or(fix.time), fix.time);
+  advance(fix.time);
+  if (!floor_.started()) floor_.set(FloorOrdinal{0});
+  BuildingPoint point = minus(parts_->site->georeference->to_building(fix.point), parts_->origin);
+  if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m)) return;
+  point = plus(point, minus(odometry_.now(), odometry_.at(fix.time)));
+  from_.gnss = true;
+  apply_fix(point, fix.sigma_m);
+  align_heading();
+}
+
+void FusionTracker::guard_against_nan() {
+  if (finite(filter_->estimate().mean)) return;
+  filter_ = parts_->make_filter();  // begins again with the next fix
+  anchor_.reset();
+}
+
+Integrity FusionTracker::integrity(PhoneTime at) const {
+  if (misses_ >= 2 || (restarted_ && seconds(at - *restarted_) < kSuspectS)) return Integrity::kSuspect;
+  if (!locator_) return Integrity::kOk;
+  if (!newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS) return Integrity::kDegraded;
+  if (from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used) return Integrity::kDegraded;
+  return misses_ > 0 ? Integrity::kDegraded : Integrity::kOk;
+}
+
+std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
+  if (!filter_->started() || !floor_.started()) return std::nullopt;
+  const GaussianState belief = filter_->estimate();
+  const double idle_s = newest_ ? std::max(0.0, seconds(at - *newest_)) : 0.0;
+  const double drift_m = at_rest_ || idle_s < 1.0 ? 0.0 : kIdleDriftMps * idle_s;
+  FusedPosition position;
+  position.valid_at = at;
+  position.building = parts_->site->building;
+  position.place = {plus({belief.mean.x_m, belief.mean.y_m}, parts_->origin), floor_.floor()};
+  if (parts_->site->georeference) position.geo = parts_->site->georeference->to_geo(position.place.point);
+  position.floors = floor_.probabilities();
+  position.covariance = {belief.covariance[0] + drift_m * drift_m, belief.covariance[1], belief.covariance[5] + drift_m * drift_m};
+  position.radius68_m = std::hypot(filter_->radius_m(0.68), drift_m);
+  position.radius95_m = std::max(position.radius68_m, std::hypot(filter_->radius_m(0.95), 2.0 * drift_m));
+  if (heading_.started()) {
+    position.heading = Heading::from_radians(heading_.heading_rad());
+    position.heading_sigma_rad = std::sqrt(heading_.variance_rad2());
+  } else {
+    position.heading = Heading::from_vector(belief.mean.vx_mps, belief.mean.vy_mps);
+    position.heading_sigma_rad = kLostHeadingRad;
+  }
+  position.speed_mps = moved_to_ ? speed_mps_ : std::hypot(belief.mean.vx_mps, belief.mean.vy_mps);
+  position.radio_map_version = parts_->site->radio_map_version;
+  position.integrity = integrity(at);
+  position.from = from_;
+  position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};
+  return position;
+}
+
+Fault FusionTracker::why_no_fix() const {
+  if (!locator_) return {FaultCode::kNotFound, "", "this pipeline uses no scans and was not told where it starts"};
+  if (parts_->map->empty()) return {FaultCode::kEmptyRadioMap, "", "the building has no fingerprints yet"};
+  if (heard_scans_ == 0) return {FaultCode::kNotFound, "", "no fresh scan heard yet"};
+  return {FaultCode::kNoKnownAccessPoint, "", "no access point of the newest scan is on the map"};
+}
+
+}  // namespace wayfuse

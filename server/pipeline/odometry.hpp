@@ -1,0 +1,27 @@
+#pragma once
+
+#include <deque>
+
+#include "wayfuse/proto/place.hpp"
+#include "wayfuse/proto/time.hpp"
+
+namespace wayfuse {
+
+/// Dead-reckoned displacement of the last half minute, so that late evidence can be applied where the phone was then.
+/// Thread: confined to one session.
+class Odometry {
+ public:
+  void move(PhoneTime time, double dx_m, double dy_m);
+  /// Where the phone was at `time`, in dead reckoning's own frame, by linear interpolation; ends are held.
+  BuildingPoint at(PhoneTime time) const;
+  BuildingPoint now() const { return trail_.empty() ? BuildingPoint{} : trail_.back().point; }
+
+ private:
+  struct Mark {
+    PhoneTime time;
+    BuildingPoint point;
+  };
+  std::deque<Mark> trail_;
+};
+
+}  // namespace wayfuse
