@@ -33,8 +33,9 @@ std::string to_building_json(const World& world) {
   }
   const Json building{{"name", world.name},
                       {"georeference",
-                       {{"latitude_deg", world.georeference.origin.latitude_deg},
-                        {"longitude_deg", world.georeference.origin.longitude_deg},
+                       {{"origin",
+                         {{"latitude_deg", world.georeference.origin.latitude_deg},
+                          {"longitude_deg", world.georeference.origin.longitude_deg}}},
                         {"y_axis_azimuth_deg", world.georeference.y_axis_azimuth_rad / kDegree}}},
                       {"magnetic_field",
                        {{"declination_deg", world.magnetic_field.declination_rad / kDegree},

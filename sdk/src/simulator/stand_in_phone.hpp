@@ -11,9 +11,9 @@
 namespace wayfuse::simulator {
 
 struct StandInSettings {
-  Device device;
+  Device device = {};
   Carrying carrying = Carrying::kTexting;
-  ScannerSettings scanner;
+  ScannerSettings scanner = {};
   PhoneTime start{from_seconds(1000)};   ///< of the walk, on the phone's clock
 };
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "admin/server_control.hpp"
+#include "db/building_database.hpp"
+#include "db/database_directory.hpp"
+#include "wayfuse/proto/part.hpp"
+#include "wayfuse/proto/result.hpp"
+
+/// The JSON the admin API speaks: one place that spells and checks each resource. Degrees and metres outside.
+namespace wayfuse {
+
+/// A building as an operator sends it. Faults name the field: `floors[1].outline[0][3]: a point is [x_m, y_m]`.
+Result<BuildingRecord> parse_building(std::string_view json);
+/// Only the floors, as `{"floors": [...]}`.
+Result<std::vector<Floor>> parse_floors(std::string_view json);
+std::string to_json(const BuildingRecord& building, std::uint64_t points, std::uint64_t radio_map_version);
+std::string to_json(const std::vector<BuildingRecord>& buildings);
+
+/// A page of points; `next` is the id to go on after, 0 = this was the last page.
+std::string to_json(const std::vector<StoredPoint>& points, std::uint64_t next);
+/// One row a reading, with a header line.
+std::string points_csv_header();
+std::string to_csv(const StoredPoint& point);
+/// One feature a point (RFC 7946). Precondition: the building is georeferenced.
+std::string to_geojson_feature(const StoredPoint& point, const Georeference& georeference);
+
+std::string to_json(const std::vector<TransmitterRecord>& transmitters);
+std::string to_json(const SurveyAck& ack);
+std::string to_json(const std::vector<PartDescription>& parts);
+std::string to_json(const std::vector<SessionSummary>& sessions);
+std::string to_json(const Readiness& readiness);
+std::string names_to_json(std::string_view field, const std::vector<std::string>& names);
+
+/// A key as an operator asks for it: name, scopes, building, expiry. Hash and id are not part of it.
+Result<KeyRecord> parse_key(std::string_view json, UnixTime now);
+std::string to_json(const KeyRecord& key, std::string_view secret);
+std::string to_json(const std::vector<KeyRecord>& keys);
+
+}  // namespace wayfuse
