@@ -21,12 +21,15 @@ class Link {
     std::function<void(std::string_view frame)> received;
     /// Last event of a link, also after a failed open. `reason` is for people.
     std::function<void(std::string_view reason)> closed;
+    /// The peer lives, though it sent no frame (a ping or a pong). A link without such signs never calls it.
+    std::function<void()> alive;
   };
   virtual ~Link() = default;
   /// Starts connecting; the events tell how it went.
   virtual void open(Events events) = 0;
   /// Queues one frame. False = the link's bound is reached: keep the frame and try after `received` or later.
   virtual bool send(std::string frame) = 0;
+  /// Sends what is queued, then closes; within 2 s in any case. `closed` may or may not come after this.
   virtual void close() = 0;
 };
 

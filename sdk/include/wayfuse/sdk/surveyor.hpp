@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "wayfuse/proto/message.hpp"
@@ -8,34 +10,51 @@
 
 namespace wayfuse {
 
-/// Collects reference points and cuts them into batches with idempotency keys.
+/// Collects reference points and cuts them into batches with idempotency keys, ready for Client::upload.
 ///
-/// Thread: confined to its owner. Positions between two marks of a walk are placed on the straight line in time.
+/// Thread: confined to its owner. Positions between two marks of a walk lie on the straight line between them, at a steady
+/// pace: mark every turn, every stop and every start.
 class Surveyor {
  public:
   Surveyor(std::string device_model, Random random);
 
-  /// A standing point with its scans.
+  /// A standing point with its scans. Stored as several points of the same place where one message could not carry it.
   Result<void> add_point(Place place, double sigma_m, std::vector<RssScan> scans, UnixTime at);
+
   /// A walk: the surveyor marks way points, scans fall between them.
   Result<void> begin_walk(std::string name);
+  /// The walker is at `place` at `time`; marks come in time order.
   Result<void> mark(PhoneTime time, Place place, double sigma_m);
   Result<void> scan(const RssScan& scan, UnixTime at);
-  /// Places the walk's scans; each reading goes to where the walker was at `time - age`.
+  /// Places the walk's scans; each reading goes to where the walker was at `time - age`. Readings heard before the first mark,
+  /// after the last one or between marks of two floors have no place: they are left out and counted.
   Result<void> end_walk();
 
   /// Batches ready to upload, each within the limits; hands them over once.
   std::vector<SurveyBatch> take_batches();
 
+  std::size_t readings_left_out() const { return left_out_; }
+
  private:
-  struct Walk;
+  struct Mark {
+    PhoneTime time;
+    Place place;
+    double sigma_m = 0.0;
+  };
+  struct Spot;
+  std::optional<Spot> where(PhoneTime time) const;
+  void place_scan(const RssScan& scan, UnixTime at);
+  void keep(ReferencePoint point);
+  std::string new_key();
+
   std::string device_model_;
   Random random_;
-  std::vector<ReferencePoint> points_;
-  std::vector<std::pair<PhoneTime, Place>> marks_;
-  std::vector<std::pair<RssScan, UnixTime>> scans_;
+  std::vector<std::pair<ReferencePoint, std::size_t>> points_;  // with the bytes of their JSON spelling
+  bool walking_ = false;
   std::string walk_;
-  double walk_sigma_m_ = 0.0;
+  std::vector<Mark> marks_;
+  std::vector<std::pair<RssScan, UnixTime>> scans_;
+  std::size_t left_out_ = 0;
 };
 
 }  // namespace wayfuse

@@ -1,0 +1,270 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "tests/fixtures/virtual_scheduler.hpp"
+#include "wayfuse/proto/codec.hpp"
+#include "wayfuse/sdk/client.hpp"
+
+// One client, a model of a server, and a network that resets, stalls, delays and forgets, all from one seed. Whatever
+// happens: a session's samples run without gap or repeat, and each sample ends in a session or is reported lost.
+namespace wayfuse {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct ModelSession {
+  std::uint64_t epoch = 0;
+  std::uint64_t begins_after = 0;
+  std::vector<SampleBody> applied;
+  std::uint64_t through() const { return begins_after + applied.size(); }
+};
+
+/// What a server does with sessions, in thirty lines of its own; shares no code with the real one.
+struct ModelServer {
+  std::map<std::string, ModelSession> sessions;
+  std::set<std::string> forgotten;
+  std::uint64_t epoch = 1;
+
+  void restart() {
+    ++epoch;
+    for (const auto& [name, _] : sessions) forgotten.insert(name);
+  }
+};
+
+/// One connection over the faulty network, both ends.
+class Wire final : public std::enable_shared_from_this<Wire> {
+ public:
+  Wire(VirtualScheduler& clock, Random& random, ModelServer& server) : clock_(clock), random_(random), server_(server) {}
+
+  void open(Link::Events events) {
+    events_ = std::move(events);
+    if (random_.below(6) == 0) return;  // a black hole
+    later([this] { events_.opened(Encoding::kCbor); });
+  }
+  bool send(std::string frame) {
+    if (random_.below(40) == 0) return false;  // the bound is reached, by chance
+    later([this, frame = std::move(frame)] { serve(frame); });
+    return true;
+  }
+  void reset() {
+    if (dead_) return;
+    dead_ = true;
+    if (events_.closed) events_.closed("reset");
+  }
+  void die() { dead_ = true; }
+
+ private:
+  // In order, after a delay; never after the connection is dead. Half-open: the peer stops to hear, nobody is told.
+  void later(std::function<void()> what) {
+    arrives_ = std::max(arrives_, clock_.now() + from_seconds(random_.uniform() * 0.3));
+    if (random_.below(300) == 0) arrives_ += 20s;
+    if (random_.below(400) == 0) half_open_ = true;
+    if (half_open_) return;
+    clock_.after(arrives_ - clock_.now(), [self = shared_from_this(), what = std::move(what)] {
+      if (!self->dead_ && !self->half_open_) what();
+    });
+  }
+  void say(const ServerMessage& message) {
+    later([this, frame = encode(message, Encoding::kCbor)] { events_.received(frame); });
+  }
+  void serve(const std::string& frame) {
+    auto message = decode_client_message(frame, Encoding::kCbor);
+    ASSERT_TRUE(message);
+    if (const auto* hello = std::get_if<Hello>(&message.value())) greet(*hello);
+    if (const auto* batch = std::get_if<SampleBatch>(&message.value())) apply(*batch);
+    if (const auto* probe = std::get_if<ClockProbe>(&message.value())) say(ClockAnswer{probe->phone_time, UnixTime{1s}});
+  }
+  void greet(const Hello& hello) {
+    Welcome welcome;
+    welcome.epoch = server_.epoch;
+    welcome.building = BuildingId{1};
+    welcome.tracked = "t";
+    welcome.pipeline = "p1";
+    name_ = "s" + std::to_string(server_.sessions.size() + 1);
+    std::uint64_t begins_after = 0;
+    if (hello.resume) {
+      const auto found = server_.sessions.find(hello.resume->session);
+      ASSERT_NE(found, server_.sessions.end());
+      if (!server_.forgotten.count(found->first) && hello.resume->acked_through <= found->second.through()) {
+        name_ = found->first;
+        welcome.recovered = true;
+      }
+      begins_after = hello.resume->acked_through;
+    }
+    ModelSession& session = server_.sessions[name_];
+    if (!welcome.recovered) session.begins_after = begins_after;
+    session.epoch = server_.epoch;
+    welcome.session = name_;
+    welcome.applied_through = session.through();
+    say(welcome);
+  }
+  void apply(const SampleBatch& batch) {
+    if (server_.forgotten.count(name_)) return;
+    ModelSession& session = server_.sessions[name_];
+    for (const Sample& sample : batch.samples) {
+      if (sample.sequence <= session.through()) continue;
+      if (sample.sequence > session.through() + 1) {
+        return say(FaultReport{{FaultCode::kSequenceGap, "samples", "gap"}, sample.sequence, {}, 0s});
+      }
+      session.applied.push_back(sample.body);
+    }
+    if (random_.below(8) == 0) {  // shed: nothing after this was applied, the rest of the world does not know
+      return say(FaultReport{{FaultCode::kRateLimited, "", ""}, 0, {}, 1s});
+    }
+    if (random_.below(3) != 0) say(Ack{session.epoch, session.through()});
+  }
+
+  VirtualScheduler& clock_;
+  Random& random_;
+  ModelServer& server_;
+  Link::Events events_;
+  PhoneTime arrives_;
+  std::string name_;
+  bool dead_ = false;
+  bool half_open_ = false;
+};
+
+class WireLink final : public Link {
+ public:
+  explicit WireLink(std::shared_ptr<Wire> wire) : wire_(std::move(wire)) {}
+  void open(Events events) override { wire_->open(std::move(events)); }
+  bool send(std::string frame) override { return wire_->send(std::move(frame)); }
+  void close() override { wire_->die(); }
+
+ private:
+  std::shared_ptr<Wire> wire_;
+};
+
+struct Outcome {
+  std::uint64_t sent = 0;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> lost;
+  ModelServer server;
+  std::uint64_t acked = 0;
+  std::size_t connections = 0;
+};
+
+Outcome run(std::uint64_t seed, bool long_outages) {
+  Random random(seed);
+  VirtualScheduler clock;
+  Outcome outcome;
+  std::weak_ptr<Wire> wire;
+  ClientSettings settings;
+  settings.building = BuildingId{1};
+  settings.back_off_most = 5s;
+  settings.silence_most = 10s;
+  settings.connect_most = 4s;
+  settings.greeting_most = 4s;
+  ClientEvents events;
+  events.samples_lost = [&](std::uint64_t first, std::uint64_t last) { outcome.lost.emplace_back(first, last); };
+  bool outage = false;
+  Client client(settings, std::move(events), [&]() -> std::unique_ptr<Link> {
+    ++outcome.connections;
+    if (outage) return nullptr;
+    auto made = std::make_shared<Wire>(clock, random, outcome.server);
+    wire = made;
+    return std::make_unique<WireLink>(std::move(made));
+  }, clock, Random(seed * 31));
+  client.start();
+  for (int tick = 0; tick < 600; ++tick) {
+    MotionReport report;
+    report.time = clock.now();
+    report.interval = 400ms;
+    report.step_length_m = 0.001 * static_cast<double>(outcome.sent + 1);  // the sample names itself
+    report.steps = 1;
+    EXPECT_TRUE(client.send(report));
+    ++outcome.sent;
+    clock.run_for(400ms);
+    if (random.below(25) == 0) {
+      if (const auto alive = wire.lock()) alive->reset();
+    }
+    if (random.below(120) == 0) {
+      outcome.server.restart();  // and half of the time nobody tells the client: a zombie that answers probes only
+      const auto alive = wire.lock();
+      if (alive && random.below(2) == 0) alive->reset();
+    }
+    if (random.below(150) == 0) client.network_changed();
+    if (long_outages && tick == 200) outage = true;
+    if (long_outages && tick == 420) outage = false;
+    if (outage) {
+      if (const auto alive = wire.lock()) alive->reset();
+    }
+  }
+  for (int i = 0; i < 400 && client.acked_through() < outcome.sent; ++i) {
+    clock.run_for(1s);
+    if (i % 5 == 0) {
+      EXPECT_TRUE(client.send(GnssFix{clock.now(), {1, 1}, static_cast<double>(outcome.sent + 1), {}, {}}));  // traffic, so that lost acks come again
+      ++outcome.sent;
+    }
+  }
+  outcome.acked = client.acked_through();
+  return outcome;
+}
+
+void expect_nothing_lost_in_silence(const Outcome& outcome) {
+  std::vector<int> seen(outcome.sent + 1, 0);
+  for (const auto& [name, session] : outcome.server.sessions) {
+    std::uint64_t before = 0;
+    for (const SampleBody& body : session.applied) {
+      const auto* motion = std::get_if<MotionReport>(&body);
+      const auto number = static_cast<std::uint64_t>(
+          std::llround(motion ? motion->step_length_m * 1000 : std::get<GnssFix>(body).sigma_m));
+      ASSERT_TRUE(number >= 1 && number <= outcome.sent);
+      if (before) {
+        EXPECT_EQ(number, before + 1) << "a gap or a repeat inside " << name;
+      }
+      before = number;
+      ++seen[number];
+    }
+  }
+  std::set<std::uint64_t> told;
+  for (const auto& [first, last] : outcome.lost) {
+    EXPECT_LE(first, last);
+    for (std::uint64_t number = first; number <= last; ++number) {
+      EXPECT_TRUE(told.insert(number).second) << number << " reported twice";
+      ++seen[number];
+    }
+  }
+  for (std::uint64_t number = 1; number <= outcome.acked; ++number) EXPECT_GE(seen[number], 1) << number << " vanished";
+  EXPECT_GE(outcome.acked + 30, outcome.sent) << "the client got stuck";
+}
+
+TEST(FaultsInTime, WithinTheRingNothingIsLost) {
+  std::size_t connections = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Outcome outcome = run(seed, false);
+    expect_nothing_lost_in_silence(outcome);
+    EXPECT_TRUE(outcome.lost.empty());
+    connections += outcome.connections;
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(connections, 150u * 10u) << "the network was too kind to test anything";
+}
+
+TEST(FaultsInTime, BeyondTheRingEveryLossIsTold) {
+  std::size_t told = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Outcome outcome = run(seed, true);
+    expect_nothing_lost_in_silence(outcome);
+    told += outcome.lost.size();
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GE(told, 100u);
+}
+
+TEST(FaultsInTime, TheSameSeedGivesTheSameRun) {
+  const Outcome a = run(42, true);
+  const Outcome b = run(42, true);
+  EXPECT_EQ(a.connections, b.connections);
+  EXPECT_EQ(a.lost, b.lost);
+  EXPECT_EQ(a.sent, b.sent);
+}
+
+}  // namespace
+}  // namespace wayfuse
