@@ -87,7 +87,9 @@ Result<void> check(const BuildingRecord& building) {
   return {};
 }
 
-ConnectionSettings settings_of(const BuildingDatabase::OpenOptions& options) { return {options.vfs, options.synchronous_normal}; }
+ConnectionSettings settings_of(const BuildingDatabase::OpenOptions& options) { 
+  return {options.vfs, options.synchronous_normal, options.checkpoint_pages};
+}
 
 }  // namespace
 

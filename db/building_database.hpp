@@ -55,6 +55,7 @@ class BuildingDatabase {
   struct OpenOptions {
     std::string vfs;                     ///< SQLite VFS name; empty = the default one
     bool synchronous_normal = false;     ///< only for the control experiment of the durability campaign
+    int checkpoint_pages = 1000;         ///< pages of 4 KiB in the log before it is folded into the database
   };
   static Result<BuildingDatabase> create(const std::filesystem::path& file, const BuildingRecord& building, const OpenOptions& options);
   static Result<BuildingDatabase> open(const std::filesystem::path& file, const OpenOptions& options);

@@ -23,7 +23,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
       : folder_(folder),
         options_(options),
         found_(list_or_make(folder)),
-        server_(folder, ConnectionSettings{options.vfs, false}),
+        server_(folder, ConnectionSettings{.vfs = options.vfs}),
         queue_({options.own_thread, options.gather_for, options.group_points, options.most_waiting_points},
                [this](BuildingId id, std::vector<PendingUpload> group) { commit(id, std::move(group)); }) {
     queue_.call([this] { open_all(); });
@@ -90,7 +90,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   }
 
   void open(BuildingId id) {
-    Result<BuildingDatabase> opened = BuildingDatabase::open(building_file(folder_, id), {options_.vfs, false});
+    Result<BuildingDatabase> opened = BuildingDatabase::open(building_file(folder_, id), {.vfs = options_.vfs});
     if (opened) {
       databases_.insert_or_assign(id, std::move(*opened));
       return mark_usable(id);
@@ -122,7 +122,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
       return Fault{FaultCode::kConflict, "id", "there is a building " + std::to_string(building.id.value) + " already"};
     }
     building.survey_version = 0;
-    Result<BuildingDatabase> made = BuildingDatabase::create(building_file(folder_, building.id), building, {options_.vfs, false});
+    Result<BuildingDatabase> made = BuildingDatabase::create(building_file(folder_, building.id), building, {.vfs = options_.vfs});
     if (!made) {
       // What was begun holds nothing yet; a next attempt under the same number must find the place free.
       if (made.fault().code != FaultCode::kConflict) (void)as_result([&] { remove_unfinished(folder_, building.id); });

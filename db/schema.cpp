@@ -22,6 +22,7 @@ void set_up(SqliteConnection& connection, const ConnectionSettings& settings) {
   }
   connection.execute(settings.synchronous_normal ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
   connection.execute("PRAGMA foreign_keys = ON");
+  connection.execute("PRAGMA wal_autocheckpoint = " + std::to_string(settings.checkpoint_pages));
   // Reads stay off mmap: an I/O error would be a signal instead of a fault.
   connection.execute("PRAGMA mmap_size = 0");
 }
@@ -95,6 +96,7 @@ void run_steps(SqliteConnection& connection, const Schema& schema, std::int64_t 
 }
 
 std::unique_ptr<SqliteConnection> open_database(const fs::path& file, const Schema& schema, const ConnectionSettings& settings) {
+  make_log_durable(file, settings.vfs);
   auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, false);
   try {
     const std::int64_t version = version_of(*connection, schema);
@@ -109,6 +111,7 @@ std::unique_ptr<SqliteConnection> open_database(const fs::path& file, const Sche
 }
 
 std::unique_ptr<SqliteConnection> reopen_database(const fs::path& file, const ConnectionSettings& settings) {
+  make_log_durable(file, settings.vfs);
   auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, false);
   set_up(*connection, settings);
   return connection;

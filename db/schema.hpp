@@ -24,6 +24,7 @@ const Schema& server_schema();
 struct ConnectionSettings {
   std::string vfs;
   bool synchronous_normal = false;
+  int checkpoint_pages = 1000;
 };
 
 /// Makes a new file with today's schema in it; kConflict when there is one already. `fill` runs in the same transaction, so

@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
@@ -29,11 +30,19 @@ FaultCode code_of(int extended, int system_errno) {
   }
 }
 
+// Asked of the VFS itself: sqlite3_system_errno() is not set when a COMMIT fails.
+int system_errno_of(sqlite3* connection, int extended) {
+  const int primary = extended & 0xff;
+  if (connection == nullptr || (primary != SQLITE_IOERR && primary != SQLITE_CANTOPEN)) return 0;
+  sqlite3_vfs* vfs = nullptr;
+  if (sqlite3_file_control(connection, "main", SQLITE_FCNTL_VFS_POINTER, &vfs) != SQLITE_OK || vfs == nullptr) return 0;
+  return vfs->xGetLastError != nullptr ? vfs->xGetLastError(vfs, 0, nullptr) : 0;
+}
+
 [[noreturn]] void fail(sqlite3* connection, int code, std::string_view file) {
   const int extended = connection != nullptr ? sqlite3_extended_errcode(connection) : code;
-  const bool system_fault = (extended & 0xff) == SQLITE_IOERR || (extended & 0xff) == SQLITE_CANTOPEN;
-  const int system_errno = connection != nullptr && system_fault ? sqlite3_system_errno(connection) : 0;
   std::string cause = connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code);
+  const int system_errno = system_errno_of(connection, extended);
   cause += " (SQLite " + std::to_string(extended);
   if (system_errno != 0) cause += std::string(", ") + std::strerror(system_errno);
   cause += ")";
@@ -86,6 +95,7 @@ Statement& Statement::bind_null(int position) {
 }
 
 bool Statement::step() {
+  errno = 0;  // so that what fail() finds there is of this call
   const int code = sqlite3_step(statement_);
   if (code == SQLITE_ROW) return true;
   if (code != SQLITE_DONE) fail(connection_, code, file_);
@@ -139,6 +149,7 @@ SqliteConnection::~SqliteConnection() {
 void SqliteConnection::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 void SqliteConnection::execute(const std::string& sql) {
+  errno = 0;
   const int code = sqlite3_exec(connection_, sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) fail(connection_, code, name_);
 }
@@ -178,6 +189,44 @@ void SqliteConnection::back_up_to(const std::filesystem::path& file, const std::
   sqlite3_backup_step(backup, -1);
   const int code = sqlite3_backup_finish(backup);
   if (code != SQLITE_OK) fail(copy.connection_, code, copy.name_);
+}
+
+namespace {
+
+struct CloseFile {
+  void operator()(sqlite3_file* file) const {
+    if (file->pMethods != nullptr) file->pMethods->xClose(file);
+    delete[] reinterpret_cast<char*>(file);
+  }
+};
+
+}  // namespace
+
+void make_log_durable(const std::filesystem::path& database, const std::string& vfs_name) {
+  sqlite3_vfs* vfs = sqlite3_vfs_find(vfs_name.empty() ? nullptr : vfs_name.c_str());
+  const std::string log = database.string() + "-wal";
+  const auto check = [&](int code) {
+    if (code != SQLITE_OK) {
+      const int system_errno = vfs->xGetLastError != nullptr ? vfs->xGetLastError(vfs, 0, nullptr) : 0;
+      throw StoreError({code_of(code, system_errno), database.filename().string() + "-wal", sqlite3_errstr(code)});
+    }
+  };
+  int there = 0;
+  check(vfs->xAccess(vfs, log.c_str(), SQLITE_ACCESS_EXISTS, &there));
+  if (there == 0) return;
+  std::unique_ptr<sqlite3_file, CloseFile> file(reinterpret_cast<sqlite3_file*>(new char[static_cast<std::size_t>(vfs->szOsFile)]()));
+  // SQLite hands file names over with a list of URI parameters behind them: here it is empty.
+  const std::string name = log + std::string(4, '\0');
+  check(vfs->xOpen(vfs, name.c_str(), file.get(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_WAL, nullptr));
+  sqlite3_int64 size = 0;
+  check(file->pMethods->xFileSize(file.get(), &size));
+  std::string piece;
+  for (sqlite3_int64 at = 0; at < size; at += static_cast<sqlite3_int64>(piece.size())) {
+    piece.resize(static_cast<std::size_t>(std::min<sqlite3_int64>(size - at, 1 << 20)));
+    check(file->pMethods->xRead(file.get(), piece.data(), static_cast<int>(piece.size()), at));
+    check(file->pMethods->xWrite(file.get(), piece.data(), static_cast<int>(piece.size()), at));
+  }
+  check(file->pMethods->xSync(file.get(), SQLITE_SYNC_NORMAL));
 }
 
 Transaction::Transaction(SqliteConnection& connection) : connection_(connection) { connection_.execute("BEGIN IMMEDIATE"); }

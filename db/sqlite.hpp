@@ -96,6 +96,11 @@ class SqliteConnection {
   std::map<std::string, std::unique_ptr<sqlite3_stmt, Finalize>, std::less<>> statements_;
 };
 
+/// Writes a database's log anew in place and syncs it; call before opening. After a failed fsync the kernel may count pages as
+/// clean that never reached the disk: SQLite's recovery would believe a commit that a power cut still takes away, and a retry
+/// would be acknowledged on the strength of it. Throws StoreError. No connection may be open.
+void make_log_durable(const std::filesystem::path& database, const std::string& vfs);
+
 /// BEGIN IMMEDIATE until commit(); rolls back when it was not reached.
 class Transaction {
  public:
