@@ -59,7 +59,7 @@ void describe(V& v, S& sample) {
 template <typename V, Of<SampleBatch> S>
 void describe(V& v, S& batch) {
   std::uint64_t first = batch.samples.empty() ? 1 : batch.samples.front().sequence;
-  v.required("first_sequence", first, Integer{1, kMostInteger - static_cast<std::int64_t>(Limits::kSamplesPerBatch)});
+  v.required("first_sequence", first, Integer{1, 9'000'000'000'000'000});
   v.required("samples", batch.samples, List{1, Limits::kSamplesPerBatch, Object{}});
   if constexpr (V::kReads) {
     for (Sample& sample : batch.samples) sample.sequence = first++;

@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/proto/field_table.hpp"
+#include "tests/proto/golden.hpp"
+
+// proto/README.md is the contract: its tables and examples are held to the code.
+namespace wayfuse {
+namespace {
+
+using nlohmann::json;
+using Row = std::vector<std::string>;
+
+struct Section {
+  std::vector<Row> rows;           // of its first table, without head and rule
+  std::vector<std::string> blocks; // ```json
+};
+
+std::string trimmed(std::string text) {
+  const auto blank = [](char c) { return c == ' '; };
+  text.erase(text.begin(), std::ranges::find_if_not(text, blank));
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+Row cells(const std::string& line) {
+  Row row;
+  std::istringstream in(line.substr(1));
+  for (std::string cell; std::getline(in, cell, '|');) row.push_back(trimmed(cell));
+  return row;
+}
+
+// By title, `## ` and `### ` alike.
+std::map<std::string, Section> sections() {
+  std::map<std::string, Section> found;
+  std::istringstream in(contents(std::filesystem::path(WAYFUSE_SOURCE_DIR) / "proto/README.md"));
+  std::string title;
+  bool in_json = false;
+  for (std::string line; std::getline(in, line);) {
+    Section& section = found[title];
+    if (line == "```json") {
+      in_json = true;
+      section.blocks.emplace_back();
+    } else if (in_json && line == "```") {
+      in_json = false;
+    } else if (in_json) {
+      section.blocks.back() += line + '\n';
+    } else if (line.starts_with("#")) {
+      title = trimmed(line.substr(line.find_first_not_of('#')));
+    } else if (line.starts_with("|")) {
+      section.rows.push_back(cells(line));
+    }
+  }
+  for (auto& [_, section] : found) {
+    if (section.rows.size() >= 2) section.rows.erase(section.rows.begin(), section.rows.begin() + 2);
+  }
+  return found;
+}
+
+TEST(ProtoReadme, TablesSayWhatTheCodeReads) {
+  auto documented = sections();
+  for (const FieldTable& table : all_field_tables()) {
+    const Section& section = documented[table.title];
+    ASSERT_EQ(section.rows.size(), table.rows.size()) << table.title;
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const FieldRow& row = table.rows[i];
+      const Row& written = section.rows[i];
+      ASSERT_EQ(written.size(), 5u) << table.title << ' ' << row.name;
+      EXPECT_EQ(written[0], '`' + row.name + '`') << table.title;
+      EXPECT_EQ(written[1], row.type) << table.title << ' ' << row.name;
+      EXPECT_EQ(written[2], row.range) << table.title << ' ' << row.name;
+      EXPECT_EQ(written[3], row.needed) << table.title << ' ' << row.name;
+      EXPECT_FALSE(written[4].empty()) << table.title << ' ' << row.name << " has no meaning";
+    }
+  }
+}
+
+TEST(ProtoReadme, ListsEveryFaultWithItsFaces) {
+  const std::vector<Row> rows = sections()["Faults"].rows;
+  ASSERT_EQ(rows.size(), fault_table().size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const FaultFace& face = fault_table()[i];
+    const std::string close = face.close_code == 0 ? "-" : std::to_string(face.close_code);
+    EXPECT_EQ(rows[i], (Row{std::to_string(static_cast<int>(face.code)), '`' + std::string(face.name) + '`',
+                            std::to_string(face.http_status), close, std::string(face.summary)}));
+  }
+}
+
+TEST(ProtoReadme, ShowsEveryMessageAsItsGoldenDocument) {
+  auto documented = sections();
+  std::size_t shown = 0;
+  for (const Golden& golden : golden_documents()) {
+    const std::string type = json::parse(golden.text).at("type");
+    ASSERT_FALSE(documented[type].blocks.empty()) << type << " has no example";
+    if (type != golden.name) continue;  // a second document of the same message
+    EXPECT_EQ(json::parse(documented[type].blocks[0]), json::parse(golden.text)) << type;
+    ++shown;
+  }
+  EXPECT_EQ(shown, std::variant_size_v<ClientMessage> + std::variant_size_v<ServerMessage>);
+}
+
+TEST(ProtoReadme, EveryExampleIsAMessage) {
+  for (const auto& [title, section] : sections()) {
+    for (const std::string& block : section.blocks) {
+      const auto from_client = decode_client_message(block, Encoding::kJson);
+      const auto from_server = decode_server_message(block, Encoding::kJson);
+      EXPECT_TRUE(from_client || from_server) << title << '\n' << block << to_string(from_client.fault());
+    }
+  }
+}
+
+// Members of an aggregate, by trying how many initialisers it takes: a member without a field would be lost on the wire.
+struct Anything {
+  template <typename T>
+  operator T() const;  // never defined: only its type is looked at
+};
+template <typename T, typename... Given>
+constexpr std::size_t members_of() {
+  if constexpr (requires { T{Given{}..., Anything{}}; }) {
+    return members_of<T, Given..., Anything>();
+  } else {
+    return sizeof...(Given);
+  }
+}
+
+TEST(FieldTables, LeaveNoMemberOut) {
+  std::map<std::string, std::size_t> fields;
+  for (const FieldTable& table : all_field_tables()) fields[table.title] = table.rows.size();
+  const auto expect = [&]<typename T>(const T*) { EXPECT_EQ(fields.at(std::string(kPartName<T>)), members_of<T>()) << kPartName<T>; };
+  const auto expect_all = [&]<typename... T>(const std::variant<T...>*) {
+    ((std::is_same_v<T, SampleBatch> ? void() : expect(static_cast<const T*>(nullptr))), ...);
+  };
+  expect_all(static_cast<const ClientMessage*>(nullptr));
+  expect_all(static_cast<const ServerMessage*>(nullptr));
+  expect_all(static_cast<const SampleBody*>(nullptr));
+  expect_all(static_cast<const std::variant<GeoPoint, Georeference, MagneticField, ScanReading, ReferencePoint, Covariance,
+                                            FloorProbability, Contributions, FusedPosition, Resume, WayPoint, FloorName, Observed>*>(
+      nullptr));
+  EXPECT_EQ(fields.at("place"), 3u);        // the point's two and the floor
+  EXPECT_EQ(fields.at("samples"), 2u);      // first_sequence besides
+  EXPECT_EQ(fields.at("reason"), members_of<Fault>() + 1);  // the name besides
+}
+
+}  // namespace
+}  // namespace wayfuse
