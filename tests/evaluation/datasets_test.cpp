@@ -210,7 +210,7 @@ TEST(RealData, SiteOneReadsWhole) {
     ASSERT_TRUE(walk) << to_string(walk.fault());
     EXPECT_TRUE(walk->complaints.empty()) << walk->complaints.front();
     const Floor* floor = site->floor(site->walks[i].floor);
-    for (const WayPoint& point : walk->way_points) {
+    for (const TruePoint& point : walk->way_points) {
       EXPECT_TRUE(contains(floor->outline, point.point)) << walk->id;
       ++points;
       walkable += contains(floor->walkable.at(0), point.point);

@@ -43,7 +43,7 @@ int show_site(const SiteOptions& options) {
     tally.scans += walk->scans.size();
     tally.way_points += walk->way_points.size();
     const Floor* floor = site->floor(file.floor);
-    for (const WayPoint& point : walk->way_points) {
+    for (const TruePoint& point : walk->way_points) {
       tally.off_plan += !floor->walkable.empty() && !contains(floor->walkable.front(), point.point);
     }
   }

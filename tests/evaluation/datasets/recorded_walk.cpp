@@ -131,7 +131,7 @@ void WalkReader::finish() {
 std::optional<BuildingPoint> RecordedWalk::truth_at(PhoneTime time) const {
   if (way_points.empty() || time < way_points.front().time || time > way_points.back().time) return std::nullopt;
   const auto after = std::lower_bound(way_points.begin(), way_points.end(), time,
-                                      [](const WayPoint& point, PhoneTime t) { return point.time < t; });
+                                      [](const TruePoint& point, PhoneTime t) { return point.time < t; });
   if (after == way_points.begin() || after->time == time) return after->point;
   const auto before = after - 1;
   const double share = seconds(time - before->time) / seconds(after->time - before->time);

@@ -16,7 +16,7 @@
 namespace wayfuse {
 
 /// Where the walker said to be.
-struct WayPoint {
+struct TruePoint {
   PhoneTime time;
   BuildingPoint point;
 };
@@ -39,7 +39,7 @@ struct RecordedWalk {
   std::vector<MargSample> motion;        ///< sensors that spoke in the same millisecond share a sample
   std::vector<RecordedAttitude> attitudes;
   std::vector<RssScan> scans;
-  std::vector<WayPoint> way_points;      ///< building frame
+  std::vector<TruePoint> way_points;      ///< building frame
   std::vector<std::string> complaints;   ///< `file:line: cause` of every line that was left out
 
   /// On the straight line between the way points around `time`; absent before the first and after the last.

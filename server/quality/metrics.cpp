@@ -1,4 +1,4 @@
-#include "tests/evaluation/metrics.hpp"
+#include "server/quality/metrics.hpp"
 
 #include <algorithm>
 #include <cassert>

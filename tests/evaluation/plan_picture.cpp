@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tests/evaluation/svg_chart.hpp"
+#include "tests/evaluation/svg_text.hpp"
+
+namespace wayfuse {
+namespace {
+
+struct Frame {
+  BuildingPoint low{1e300, 1e300};
+  BuildingPoint high{-1e300, -1e300};
+  void take(BuildingPoint p) {
+    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
+    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
+  }
+  bool empty() const { return low.x_m > high.x_m; }
+};
+
+Frame frame_of(const PlanPicture& picture) {
+  Frame frame;
+  const bool outlined = picture.floor && !picture.floor->outline.rings.empty();
+  if (outlined && !picture.zoom_to_tracks) {
+    for (const Ring& ring : picture.floor->outline.rings) std::for_each(ring.begin(), ring.end(), [&](auto p) { frame.take(p); });
+  } else {
+    for (const PlanTrack& track : picture.tracks) std::for_each(track.points.begin(), track.points.end(), [&](auto p) { frame.take(p); });
+    for (const PlanArea& area : picture.areas) std::for_each(area.cells.begin(), area.cells.end(), [&](auto p) { frame.take(p); });
+  }
+  if (frame.empty()) frame = {{0, 0}, {10, 10}};
+  const double margin_m = picture.zoom_to_tracks ? 12.0 : 4.0;
+  frame.low = {frame.low.x_m - margin_m, frame.low.y_m - margin_m};
+  frame.high = {frame.high.x_m + margin_m, frame.high.y_m + margin_m};
+  return frame;
+}
+
+// Metres to pixels.
+struct Paper {
+  Frame frame;
+  double scale = 1.0;
+  double top = 40.0;
+  double x(double x_m) const { return (x_m - frame.low.x_m) * scale; }
+  double y(double y_m) const { return top + (frame.high.y_m - y_m) * scale; }
+  std::string at(BuildingPoint p) const { return brief(x(p.x_m)) + "," + brief(y(p.y_m)); }
+  std::string path(const Polygon& polygon) const {
+    std::string d;
+    for (const Ring& ring : polygon.rings) {
+      for (std::size_t i = 0; i < ring.size(); ++i) d += (i == 0 ? "M" : "L") + at(ring[i]);
+      d += "Z";
+    }
+    return d;
+  }
+};
+
+std::string scale_bar(const Paper& paper, double width, double height) {
+  const double length_m = round_step((paper.frame.high.x_m - paper.frame.low.x_m) / 4.0, 1);
+  const double right = width - 16.0;
+  const double left = right - length_m * paper.scale;
+  return svg_line(left, height - 14, right, height - 14, "#222", 2.5) +
+         svg_words(0.5 * (left + right), height - 19, brief(length_m) + " m", "middle", 12);
+}
+
+std::string track_mark(const Paper& paper, const PlanTrack& track) {
+  std::string points;
+  for (const BuildingPoint p : track.points) points += paper.at(p) + " ";
+  const double width = std::max(1.0, track.width_m * paper.scale);
+  std::string svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) + "\" stroke-opacity=\"" +
+                    brief(track.opacity) + "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
+  if (track.dots) {
+    for (const BuildingPoint p : track.points) {
+      svg += "<circle cx=\"" + brief(paper.x(p.x_m)) + "\" cy=\"" + brief(paper.y(p.y_m)) + "\" r=\"" + brief(1.4 * width) + "\" fill=\"" +
+             track.colour + "\"/>\n";
+    }
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string plan_picture(const PlanPicture& picture) {
+  Paper paper;
+  paper.frame = frame_of(picture);
+  const double width_m = paper.frame.high.x_m - paper.frame.low.x_m;
+  const double height_m = paper.frame.high.y_m - paper.frame.low.y_m;
+  paper.scale = std::min(900.0 / width_m, 800.0 / height_m);
+  const double width = std::max(480.0, width_m * paper.scale);
+  const double height = paper.top + height_m * paper.scale + 30.0;
+  std::string svg = svg_head(width, height);
+  if (picture.floor && !picture.floor->outline.rings.empty()) {
+    svg += "<path d=\"" + paper.path(picture.floor->outline) + "\" fill=\"#e9e6df\" fill-rule=\"evenodd\" stroke=\"#555\" stroke-width=\"1.2\"/>\n";
+    for (const Polygon& walkable : picture.floor->walkable) {
+      svg += "<path d=\"" + paper.path(walkable) + "\" fill=\"#fff\" fill-rule=\"evenodd\" stroke=\"#b8b2a6\" stroke-width=\"0.5\"/>\n";
+    }
+  }
+  for (const PlanArea& area : picture.areas) {
+    std::string d;
+    const std::string side = brief(area.size_m * paper.scale);
+    for (const BuildingPoint c : area.cells) {
+      d += "M" + paper.at({c.x_m, c.y_m + area.size_m}) + "h" + side + "v" + side + "h-" + side + "Z";
+    }
+    svg += "<path d=\"" + d + "\" fill=\"" + area.colour + "\" fill-opacity=\"" + brief(area.opacity) + "\"/>\n";
+  }
+  for (const PlanTrack& track : picture.tracks) svg += track_mark(paper, track);
+  svg += svg_words(10, 24, picture.title, "start", 15, "font-weight=\"bold\"");
+  double legend_x = 12.0;
+  const auto entry = [&](const std::string& name, const std::string& colour, double opacity) {
+    if (name.empty()) return;
+    svg += svg_line(legend_x, height - 14, legend_x + 22, height - 14, colour, 5, "stroke-opacity=\"" + brief(opacity) + "\"");
+    svg += svg_words(legend_x + 28, height - 10, name, "start", 12);
+    legend_x += 46.0 + 7.4 * static_cast<double>(name.size());
+  };
+  for (const PlanArea& area : picture.areas) entry(area.name, area.colour, std::min(1.0, 2.0 * area.opacity));
+  for (const PlanTrack& track : picture.tracks) entry(track.name, track.colour, 1.0);
+  return svg + scale_bar(paper, width, height) + "</svg>\n";
+}
+
+}  // namespace wayfuse

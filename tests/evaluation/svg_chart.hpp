@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "wayfuse/proto/place.hpp"
+
+namespace wayfuse {
+
+/// Colours that stay apart for colour-blind eyes (Okabe and Ito 2008), in a fixed order.
+std::string_view series_colour(std::size_t index);
+
+/// A named set of values for a distribution chart.
+struct ValueSeries {
+  std::string name;
+  std::vector<double> values;
+};
+
+struct ChartText {
+  std::string title;
+  std::string x_axis;
+  std::string y_axis;
+};
+
+/// Share of the values below x, one line a series; the x axis runs from 0 to `x_most`. An SVG document.
+std::string distribution_chart(const ChartText& text, const std::vector<ValueSeries>& series, double x_most);
+
+/// A line chart through points with optional vertical error bars.
+struct LineSeries {
+  struct Point {
+    double x = 0.0;
+    double y = 0.0;
+    double low = 0.0;    ///< low = high = y: no bar
+    double high = 0.0;
+  };
+  std::string name;
+  std::vector<Point> points;
+  bool dashed = false;
+};
+std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series);
+
+/// A floor plan to draw on, metres, north up.
+struct PlanTrack {
+  std::string name;                ///< in the legend; empty = not there
+  std::string colour;
+  std::vector<BuildingPoint> points;
+  double width_m = 0.5;
+  double opacity = 1.0;
+  bool dots = false;               ///< a dot at every point as well
+};
+struct PlanArea {
+  std::vector<BuildingPoint> cells; ///< lower left corners
+  double size_m = 1.0;
+  std::string colour;
+  std::string name;
+  double opacity = 0.35;
+};
+struct PlanPicture {
+  std::string title;
+  const Floor* floor = nullptr;    ///< may have no outline: then the tracks make the frame
+  std::vector<PlanArea> areas;     ///< below the tracks
+  std::vector<PlanTrack> tracks;
+  bool zoom_to_tracks = false;
+};
+std::string plan_picture(const PlanPicture& picture);
+
+}  // namespace wayfuse
