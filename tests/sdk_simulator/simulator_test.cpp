@@ -7,6 +7,8 @@
 #include <set>
 
 #include "sdk/src/simulator/stand_in_phone.hpp"
+#include "sdk/src/simulator/surveying.hpp"
+#include "sdk/src/simulator/tracked_phone.hpp"
 
 namespace wayfuse::simulator {
 namespace {
@@ -191,6 +193,38 @@ TEST(Scanner, KeepsToThePlatformsThrottle) {
   }
   ASSERT_GE(fresh.size(), 5u);
   for (std::size_t i = 4; i < fresh.size(); ++i) EXPECT_GE(seconds(fresh[i] - fresh[i - 4]), 118);
+}
+
+TEST(Surveying, CoversTheFloorInBatchesTheProtocolTakes) {
+  const World world = office();
+  const Propagation propagation(world, {});
+  const auto batches = survey_floor(world, propagation, {1}, {}, {}, Random(2));
+  std::set<std::string> keys;
+  std::size_t points = 0;
+  double west = 100, east = 0;
+  for (const SurveyBatch& batch : batches) {
+    EXPECT_TRUE(keys.insert(batch.idempotency_key).second);
+    EXPECT_LE(batch.points.size(), Limits::kPointsPerBatch);
+    for (const ReferencePoint& point : batch.points) {
+      EXPECT_EQ(point.place.floor, FloorOrdinal{1});
+      west = std::min(west, point.place.point.x_m);
+      east = std::max(east, point.place.point.x_m);
+      ++points;
+    }
+  }
+  EXPECT_GT(points, 200u);
+  EXPECT_LT(west, 5);
+  EXPECT_GT(east, 55);
+}
+
+TEST(ErrorLog, TellsMeanPercentileAndFloors) {
+  ErrorLog log;
+  for (int i = 1; i <= 9; ++i) log.add({{static_cast<double>(i), 0}, {i % 3 == 0}}, {{0, 0}, {0}});
+  EXPECT_DOUBLE_EQ(log.mean_m(), 5);
+  EXPECT_DOUBLE_EQ(log.percentile_m(0.5), 5);
+  EXPECT_DOUBLE_EQ(log.percentile_m(1.0), 9);
+  EXPECT_NEAR(log.floor_share(), 6.0 / 9, 1e-12);
+  EXPECT_DOUBLE_EQ(log.last_m(), 9);
 }
 
 TEST(BuildingJson, NamesEveryFloorWithItsPlan) {

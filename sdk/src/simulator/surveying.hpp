@@ -10,7 +10,7 @@ namespace wayfuse::simulator {
 
 struct SurveyingSettings {
   int passes = 2;                     ///< over every room of a floor, 1..20
-  double mark_every_s = 4.0;          ///< how often the surveyor says where they are
+  double mark_every_s = 2.0;          ///< how often the surveyor says where they are
   double mark_sigma_m = 0.3;          ///< how well they know it
   UnixTime at;                        ///< wall-clock time of the survey
 };
