@@ -145,6 +145,7 @@ Duration time_left(const SessionWorld& world, std::optional<UnixTime> expires_at
 
 Welcome welcome_from(const SessionWorld& world, const Building* building, std::optional<UnixTime> expires_at) {
   Welcome welcome;
+  welcome.session = welcome.tracked = "-";  // only the track role has a session to resume
   welcome.token_expires_in = time_left(world, expires_at);
   welcome.epoch = world.sessions.epoch();
   welcome.server_wall_time = world.clock.wall_now();

@@ -30,7 +30,7 @@ struct RecordedAttitude {
 /// One walk as recorded by "Indoor Location Competition 2.0" phones: what a phone's sensors and radio said, and the truth.
 ///
 /// Phone time is the file's milliseconds since 1970. All lists ascend in time. A scan is a list as it arrived; `age` tells
-/// when each reading was last seen by the radio.
+/// when each reading was last seen by the radio. Longer lists than the protocol takes keep their youngest 512 readings.
 struct RecordedWalk {
   std::string id;                        ///< file name without `.txt`
   std::string floor_label;

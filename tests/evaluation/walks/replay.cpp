@@ -1,0 +1,73 @@
+#include "tests/evaluation/walks/replay.hpp"
+
+#include <algorithm>
+
+#include "wayfuse/sdk/motion_tracker.hpp"
+
+namespace wayfuse {
+
+void play(const RecordedWalk& walk, std::span<const Instant> instants, const PhoneEvents& events) {
+  std::size_t sample = 0;
+  std::size_t scan = 0;
+  const auto play_through = [&](PhoneTime time) {
+    for (;;) {
+      const bool sample_due = sample < walk.motion.size() && walk.motion[sample].time <= time;
+      const bool scan_due = scan < walk.scans.size() && walk.scans[scan].time <= time;
+      if (sample_due && (!scan_due || walk.motion[sample].time <= walk.scans[scan].time)) events.sample(walk.motion[sample++]);
+      else if (scan_due) events.scan(walk.scans[scan++]);
+      else return;
+    }
+  };
+  for (std::size_t i = 0; i < instants.size(); ++i) {
+    play_through(instants[i].time);
+    events.ask(i);
+  }
+}
+
+PhoneTime begin_of(const RecordedWalk& walk) {
+  PhoneTime begin = walk.way_points.front().time;
+  if (!walk.motion.empty()) begin = std::min(begin, walk.motion.front().time);
+  if (!walk.scans.empty()) begin = std::min(begin, walk.scans.front().time);
+  return begin;
+}
+
+Result<void> DirectReplay::prepare(const std::string& pipeline) {
+  const auto spec = preset(pipeline);
+  if (!spec) return spec.fault();
+  const auto factory = assemble(*spec, site_);
+  if (!factory) return factory.fault();
+  factories_[pipeline] = *factory;
+  return {};
+}
+
+Result<WalkReply> DirectReplay::run(const RecordedWalk& walk, std::span<const Instant> instants, const std::string& pipeline,
+                                    std::uint64_t seed) const {
+  auto motion = MotionTracker::create({});
+  if (!motion) return motion.fault();
+  motion->expect(site_->magnetic_field);
+  std::optional<KnownStart> start;
+  if (pipeline == "dead-reckoning") start = KnownStart{{walk.way_points.front().point, walk.floor}, 0.5, std::nullopt};
+  const std::unique_ptr<Tracker> tracker = factories_.at(pipeline)->make_tracker(Random(seed), start);
+  WalkReply reply;
+  reply.at.resize(instants.size());
+  const PhoneTime begin = begin_of(walk);
+  const auto note_fix = [&](PhoneTime at) {
+    if (!reply.first_fix_s && tracker->position(at)) reply.first_fix_s = seconds(at - begin);
+  };
+  PhoneEvents events;
+  events.sample = [&](const MargSample& sample) {
+    if (const auto report = motion->feed(sample)) {
+      tracker->feed(*report);
+      note_fix(sample.time);
+    }
+  };
+  events.scan = [&](const RssScan& scan) {
+    tracker->feed(scan);
+    note_fix(scan.time);
+  };
+  events.ask = [&](std::size_t i) { reply.at[i] = tracker->position(instants[i].time); };
+  play(walk, instants, events);
+  return reply;
+}
+
+}  // namespace wayfuse

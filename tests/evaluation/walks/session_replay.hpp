@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "tests/evaluation/walks/replay.hpp"
+#include "tests/evaluation/walks/selection.hpp"
+
+namespace wayfuse {
+
+/// A whole server without sockets, on a temporary folder: its building is created, then surveyed through surveyor, client,
+/// codec, session and store; walks go through motion tracker, client, codec and session. Everything on virtual clocks.
+class SessionReplay final : public WalkReplay {
+ public:
+  /// Uploads the survey and waits for the snapshot. Throws std::runtime_error if the store fails.
+  static Result<std::unique_ptr<SessionReplay>> create(const RecordedSite& site, const std::vector<RecordedWalk>& survey);
+  ~SessionReplay() override;
+
+  /// What the server made of the survey; shared with DirectReplay.
+  std::shared_ptr<const Site> site() const;
+  /// Prepares a pipeline before the threads begin: kUnknownName lists those there are.
+  Result<void> prepare(const std::string& pipeline);
+  std::string_view path() const override { return "session"; }
+  Result<WalkReply> run(const RecordedWalk& walk, std::span<const Instant> instants, const std::string& pipeline,
+                        std::uint64_t seed) const override;
+
+ private:
+  struct House;
+  explicit SessionReplay(std::unique_ptr<House> house);
+  std::unique_ptr<House> house_;
+};
+
+}  // namespace wayfuse

@@ -1,0 +1,166 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "server/pipeline/pipeline_spec.hpp"
+#include "tests/evaluation/commands.hpp"
+#include "tests/evaluation/progress_bar.hpp"
+#include "tests/evaluation/walks/session_replay.hpp"
+#include "tests/evaluation/walks/walks_report.hpp"
+
+namespace wayfuse {
+namespace {
+
+struct WalksOptions {
+  std::string data;
+  std::vector<std::string> floors;
+  std::vector<std::string> pipelines = {"dead-reckoning", "nn", "wknn", "knn-manhattan", "p1", "default"};
+  std::string only;
+  std::string split = "test";
+  bool chain = false;
+  bool direct = false;
+  double rss_offset_db = 0.0;
+  std::uint64_t seed = 1;
+  unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  std::string json;
+  std::string report;
+};
+
+int complain(const Fault& fault) {
+  std::fprintf(stderr, "wayfuse-eval walks: %s\n", to_string(fault).c_str());
+  return 2;
+}
+
+// Another phone hears everything this much louder.
+void shift_levels(std::vector<ScoredWalk>& walks, double offset_db) {
+  for (ScoredWalk& scored : walks) {
+    for (RssScan& scan : scored.walk.scans) {
+      for (ScanReading& reading : scan.readings) reading.rss_dbm = std::clamp(reading.rss_dbm + offset_db, -120.0, 0.0);
+    }
+  }
+}
+
+// Every walk under every pipeline; the answers do not depend on the number of threads.
+Result<std::vector<PipelineRun>> replay_all(const WalksOptions& options, const WalkReplay& usual, const WalkReplay& direct,
+                                            const ScoredData& data) {
+  std::vector<PipelineRun> runs;
+  for (const std::string& name : options.pipelines) {
+    const WalkReplay& way = name == "dead-reckoning" ? direct : usual;
+    runs.push_back({name, std::string(way.path()), std::vector<Answers>(data.walks.size()),
+                    std::vector<std::optional<double>>(data.walks.size())});
+  }
+  const std::size_t jobs = runs.size() * data.walks.size();
+  ProgressBar progress("replaying walks", jobs);
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::optional<Fault> fault;
+  const auto work = [&] {
+    for (std::size_t job = next++; job < jobs; job = next++) {
+      PipelineRun& run = runs[job % runs.size()];
+      const std::size_t w = job / runs.size();
+      const WalkReplay& way = run.pipeline == "dead-reckoning" ? direct : usual;
+      auto reply = way.run(data.walks[w].walk, data.instants[w], run.pipeline, options.seed ^ fnv1a(data.walks[w].walk.id));
+      if (!reply) {
+        const std::lock_guard lock(mutex);
+        if (!fault) fault = reply.fault();
+        next = jobs;
+        return;
+      }
+      run.walks[w] = std::move(reply->at);
+      run.first_fix_s[w] = reply->first_fix_s;
+      progress.advance();
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(work);
+  work();
+  threads.clear();
+  if (fault) return *fault;
+  return runs;
+}
+
+int measure_walks(const WalksOptions& options) {
+  const auto site = read_site(options.data, options.floors);
+  if (!site) return complain(site.fault());
+  SelectionOptions selecting{options.split == "dev", options.chain, {}};
+  if (!options.only.empty()) {
+    auto ids = read_ids(options.only);
+    if (!ids) return complain(ids.fault());
+    selecting.only = *std::move(ids);
+  }
+  auto selection = select_walks(*site, selecting);
+  if (!selection) return complain(selection.fault());
+  for (const std::string& complaint : site->complaints) std::fprintf(stderr, "note: %s\n", complaint.c_str());
+  for (const std::string& complaint : selection->complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
+  if (options.rss_offset_db != 0.0) shift_levels(selection->scored, options.rss_offset_db);
+
+  const SurveyCover cover(selection->survey);
+  std::vector<std::vector<Instant>> instants;
+  for (const ScoredWalk& scored : selection->scored) instants.push_back(instants_of(scored.walk, cover));
+  const ScoredData data{selection->scored, instants};
+
+  std::fprintf(stderr, "uploading the survey: %zu walks\n", selection->survey.size());
+  auto session = SessionReplay::create(*site, selection->survey);
+  if (!session) return complain(session.fault());
+  DirectReplay direct((*session)->site());
+  for (const std::string& name : options.pipelines) {
+    const bool straight = options.direct || name == "dead-reckoning";
+    const auto prepared = straight ? direct.prepare(name) : (*session)->prepare(name);
+    if (!prepared) return complain(prepared.fault());
+  }
+  const WalkReplay& usual = options.direct ? static_cast<const WalkReplay&>(direct) : **session;
+  const auto runs = replay_all(options, usual, direct, data);
+  if (!runs) return complain(runs.fault());
+
+  WalksOutcome outcome = summarise_walks(data, *runs, *site, options.seed);
+  outcome.data = site->name;
+  outcome.split = options.only.empty() ? options.split : "only";
+  outcome.chain = options.chain;
+  outcome.rss_offset_db = options.rss_offset_db;
+  outcome.survey_walks = selection->survey.size();
+  outcome.survey_points = (*session)->site()->survey.size();
+  if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
+  std::printf("%s", walks_table(outcome).c_str());
+  if (!options.json.empty()) {
+    std::ofstream out(options.json, std::ios::binary);
+    out << walks_json(outcome);
+    if (!out.flush()) return complain({FaultCode::kNotFound, options.json, "cannot be written"});
+  }
+  if (!options.report.empty()) write_walks_report(options.report, outcome, data, *runs, *site, cover);
+  return 0;
+}
+
+}  // namespace
+
+void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
+  const auto options = std::make_shared<WalksOptions>();
+  CLI::App* command = app.add_subcommand("walks", "Accuracy on recorded walks, surveyed and tracked through the whole system");
+  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
+  command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
+  command->add_option("--pipelines", options->pipelines, "Presets to compare; the last one is compared with each other walk by walk")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
+  command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
+      ->check(CLI::IsMember({"test", "dev"}))
+      ->capture_default_str();
+  command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
+  command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the trackers and the bootstrap")->capture_default_str();
+  command->add_option("--threads", options->threads, "Walks replayed at once; does not change any figure")
+      ->check(CLI::Range(1u, 256u))
+      ->capture_default_str();
+  command->add_flag("--direct", options->direct, "Quick look: straight into the pipelines, without client, codec and session");
+  command->add_option("--json", options->json, "Write the figures to this file");
+  command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");
+  command->callback([options, &chosen] { chosen = [options] { return measure_walks(*options); }; });
+}
+
+}  // namespace wayfuse
