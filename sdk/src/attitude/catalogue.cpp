@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sdk/src/attitude/block_heading.hpp"
 #include "sdk/src/attitude/complementary_heading.hpp"
 
 namespace wayfuse {
@@ -13,6 +14,7 @@ std::unique_ptr<HeadingEstimator> make() {
 }
 
 constexpr HeadingEstimatorRow kRows[] = {
+    {"block_marg", "the project's own: strap-down, corrected in blocks by a Kalman filter, gated compass, hard iron", make<BlockHeading>},
     {"complementary", "[P1] gyroscope and compass blended with W = 0.7, quaternion tilt, valid at any tilt", make<ComplementaryHeading>},
     {"complementary_as_printed", "[P1] eqs. 4-10 to the letter: arcsine tilt from the raw accelerometer", make<PrintedComplementaryHeading>},
     {"compass", "[P2, P5] every sample alone from gravity and magnetic field, no gyroscope", make<CompassHeading>},

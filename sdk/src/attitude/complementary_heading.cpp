@@ -15,13 +15,6 @@ double drifted_sigma(double start_rad, double drift_s) {
 
 }  // namespace
 
-void refer_to(const MagneticField& expected, Attitude& attitude) {
-  if (attitude.reference != HeadingReference::kMagnetic || expected.norm_ut <= 0.0) return;
-  attitude.body_to_enu = about_up(-expected.declination_rad) * attitude.body_to_enu;
-  attitude.heading = attitude.heading.turned_by(-expected.declination_rad);
-  attitude.reference = HeadingReference::kTrue;
-}
-
 void ComplementaryHeading::feed(const MargSample& sample) {
   if (const auto turn_rate = gate_.turn_rate(sample)) turn(*turn_rate);
   if (const auto acceleration = gate_.acceleration(sample)) level(*acceleration);
@@ -78,7 +71,8 @@ std::optional<Attitude> ComplementaryHeading::attitude() const {
   if (!level_) return std::nullopt;
   Attitude attitude;
   attitude.time = time_;
-  attitude.body_to_enu = q_;
+  attitude.body_to_enu = attitude.body_to_level = q_;
+  attitude.magnetic_quality = pointed_ ? 1.0 : 0.0;
   attitude.heading = heading_of(q_);
   attitude.heading_sigma_rad = drifted_sigma(pointed_ ? settings_.heading_sigma_rad : std::numbers::pi, drift_s_);
   attitude.inclination_sigma_rad = 0.05;
@@ -119,6 +113,8 @@ std::optional<Attitude> PrintedComplementaryHeading::attitude() const {
   attitude.time = time_;
   attitude.body_to_enu = about_up(heading_rad_ - std::numbers::pi / 2) * from_rotation_vector({pitch_rad_, 0, 0}) *
                          from_rotation_vector({0, -roll_rad_, 0});
+  attitude.body_to_level = attitude.body_to_enu;
+  attitude.magnetic_quality = pointed_ ? 1.0 : 0.0;
   attitude.heading = Heading::from_radians(heading_rad_);
   attitude.heading_sigma_rad = pointed_ ? settings_.heading_sigma_rad : std::numbers::pi;
   attitude.inclination_sigma_rad = 0.2;
@@ -141,6 +137,7 @@ std::optional<Attitude> CompassHeading::attitude() const {
   Attitude attitude;
   attitude.time = time_;
   attitude.body_to_enu = to_up(*acceleration_ * (1.0 / norm(*acceleration_)));
+  attitude.body_to_level = attitude.body_to_enu;
   attitude.reference = HeadingReference::kArbitrary;
   attitude.heading_sigma_rad = std::numbers::pi;
   if (field_) {
@@ -149,6 +146,7 @@ std::optional<Attitude> CompassHeading::attitude() const {
       attitude.body_to_enu = about_up(std::atan2(flat.x, flat.y)) * attitude.body_to_enu;
       attitude.reference = HeadingReference::kMagnetic;
       attitude.heading_sigma_rad = 0.35;
+      attitude.magnetic_quality = 1.0;
     }
   }
   attitude.heading = heading_of(attitude.body_to_enu);

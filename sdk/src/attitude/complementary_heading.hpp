@@ -87,7 +87,4 @@ class CompassHeading final : public HeadingEstimator {
   PhoneTime time_;
 };
 
-/// Turns a magnetic attitude to true axes where the declination is known.
-void refer_to(const MagneticField& expected, Attitude& attitude);
-
 }  // namespace wayfuse

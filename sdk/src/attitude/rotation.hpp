@@ -54,4 +54,12 @@ inline Heading heading_of(Quaternion q) {
   return Heading::from_vector(-2.0 * (q.x * q.z + q.w * q.y), -2.0 * (q.y * q.z - q.w * q.x));
 }
 
+/// Turns a magnetic attitude to true axes where the declination is known.
+inline void refer_to(const MagneticField& expected, Attitude& attitude) {
+  if (attitude.reference != HeadingReference::kMagnetic || expected.norm_ut <= 0.0) return;
+  attitude.body_to_enu = about_up(-expected.declination_rad) * attitude.body_to_enu;
+  attitude.heading = attitude.heading.turned_by(-expected.declination_rad);
+  attitude.reference = HeadingReference::kTrue;
+}
+
 }  // namespace wayfuse

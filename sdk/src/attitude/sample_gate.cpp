@@ -9,12 +9,9 @@ std::optional<SampleGate::Passed> SampleGate::pass(Sensor& sensor, PhoneTime tim
     ++(time == sensor.last ? counts.duplicate : counts.stale);
     return std::nullopt;
   }
-  if (!finite(*value)) {
-    ++counts.not_finite;
-    return std::nullopt;
-  }
-  if (std::abs(value->x) > most || std::abs(value->y) > most || std::abs(value->z) > most) {
-    ++counts.overrange;
+  const auto within = [most](double v) { return std::abs(v) <= most; };  // false for NaN, too
+  if (!(within(value->x) && within(value->y) && within(value->z))) {
+    ++(finite(*value) ? counts.overrange : counts.not_finite);
     return std::nullopt;
   }
   const double dt_s = sensor.seen ? seconds(time - sensor.last) : 0.0;

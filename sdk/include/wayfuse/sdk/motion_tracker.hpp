@@ -12,7 +12,7 @@
 namespace wayfuse {
 
 struct MotionTrackerSettings {
-  std::string heading_estimator = "complementary";  ///< a name from heading_estimator_names()
+  std::string heading_estimator = "block_marg";  ///< a name from heading_estimator_names()
   Duration report_interval = std::chrono::milliseconds(500);  ///< longest silence; every step is reported at once
 };
 
