@@ -3,6 +3,9 @@
 #include <array>
 
 #include "server/locating/nearest_neighbours.hpp"
+#include "server/locating/probabilistic.hpp"
+#include "server/locating/propagation.hpp"
+#include "server/locating/trilateration.hpp"
 
 namespace wayfuse {
 namespace {
@@ -24,6 +27,29 @@ std::shared_ptr<const LocatorModel> nearest(const LocatingSite& site, const Part
   return std::make_shared<NearestNeighbours>(site.map, NearestNeighboursSettings{1, false, {s["exponent"], s["floor_dbm"]}});
 }
 
+const ProbabilisticSettings kBayes;
+const SettingDescription kTemper{"temper", kBayes.temper, 0.01, 1,
+                                 "power of the likelihood: readings of a scan are not independent; larger trusts one scan more", "-"};
+const SettingDescription kSurprise{"surprise", kBayes.surprise, -30, -2,
+                                   "log density of a level the point never heard; nearer 0 forgives new transmitters", "-"};
+const SettingDescription kSpread{"sigma_db", kBayes.sigma_db, 1, 20, "spread of a level at a point before it is measured, smoothing after",
+                                 "-"};
+const SettingDescription kStrongest{"strongest", 8, 3, 32, "transmitters used, the strongest first", "[P3 eq. 5]", true};
+
+template <bool kHistogram>
+std::shared_ptr<const LocatorModel> probabilistic(const LocatingSite& site, const PartSettings& s) {
+  return std::make_shared<Probabilistic>(
+      site, ProbabilisticSettings{kHistogram, s["sigma_db"], kBayes.prior_scans, s["surprise"], s["temper"]});
+}
+
+std::shared_ptr<const LocatorModel> trilateration(const LocatingSite& site, const PartSettings& s) {
+  return std::make_shared<Trilateration>(site.map, TrilaterationSettings{s.count("strongest"), s["threshold"], s.on("online")});
+}
+
+std::shared_ptr<const LocatorModel> propagation(const LocatingSite& site, const PartSettings& s) {
+  return std::make_shared<Propagation>(site.map, PropagationSettings{s["cell_m"], s.count("strongest")});
+}
+
 }  // namespace
 
 std::span<const LocatorRow> locator_catalogue() {
@@ -35,6 +61,20 @@ std::span<const LocatorRow> locator_catalogue() {
       LocatorRow{{"locator", "wknn", "mean of the K nearest fingerprints weighted by 1 / D [P1 eqs. 1-3]",
                   {kNeighbours, kExponent, kFloor}},
                  neighbours<true>},
+      LocatorRow{{"locator", "gaussian", "probabilistic fingerprints, a Gaussian a level (Horus)", {kSpread, kSurprise, kTemper}},
+                 probabilistic<false>},
+      LocatorRow{{"locator", "histogram", "probabilistic fingerprints, the point's own readings smoothed (Horus)",
+                  {kSpread, kSurprise, kTemper}},
+                 probabilistic<true>},
+      LocatorRow{{"locator", "trilateration", "distances by path loss, linear least squares, exponents learnt online [P3]",
+                  {kStrongest,
+                   {"threshold", 0.05, 0, 5, "T: an exponent off by more is replaced; smaller follows noise", "[P3 algorithm 2]"},
+                   {"online", 1, 0, 1, "0: the survey's exponents stay", "[P3 algorithm 2]", true}}},
+                 trilateration, true, true},
+      LocatorRow{{"locator", "propagation", "fingerprints computed from path-loss laws (RADAR's model method)",
+                  {{"cell_m", 1, 0.25, 10, "of the modelled map; smaller is slower", "[P1]"},
+                   {"strongest", 16, 1, 64, "transmitters used, the strongest first", "[P1]", true}}},
+                 propagation},
   };
   return rows;
 }

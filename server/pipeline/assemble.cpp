@@ -108,6 +108,10 @@ Result<void> fits(const Assembly& spec) {
   if (model->uses_heading() && spec.chosen("azimuth").part != "none") {
     return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's heading: it would count twice");
   }
+  if (model->columns() == 0 && (spec.chosen("speed").part != "none" || spec.chosen("azimuth").part != "none") &&
+      !model->uses_heading() && !model->uses_distance()) {
+    return clash("parts.motion", "`" + motion.part + "` has no velocity that speed or azimuth could measure");
+  }
   if (model->uses_distance() && spec.chosen("speed").part != "none") {
     return clash("parts.speed", "the motion `" + motion.part + "` is already moved by the phone's speed: it would count twice");
   }
@@ -129,18 +133,103 @@ ReadingGateSettings readings_of(const Assembly& spec) {
   return {false, settings["max_age_s"], settings["delay_s"], settings.on("drop_repeats")};
 }
 
+void choose_measurements(const Assembly& spec, PipelineParts& parts) {
+  const auto [part, settings] = spec.chosen("measurement");
+  if (part == "fix") {
+    parts.measurement = MeasurementKind::kFix;
+    parts.fix = {settings["sigma_m"], settings["gate_sigmas"]};
+  } else if (part == "ranges") {
+    parts.measurement = MeasurementKind::kRanges;
+    parts.range_sigma_scale = settings["sigma_scale"];
+  } else if (part == "field") {
+    parts.measurement = MeasurementKind::kField;
+    parts.field = {settings["weight"], settings["outlier"]};
+  } else {
+    parts.measurement = MeasurementKind::kNone;
+  }
+  if (const Chosen gnss = spec.chosen("gnss"); gnss.part == "start") {
+    parts.gnss = GnssUse::kStart;
+    parts.gnss_start_s = gnss.settings["start_s"];
+  } else {
+    parts.gnss = gnss.part == "fix" ? GnssUse::kFix : GnssUse::kNone;
+  }
+  if (const Chosen speed = spec.chosen("speed"); speed.part == "speed") parts.speed = {true, speed.settings["sigma_mps"]};
+  if (const Chosen azimuth = spec.chosen("azimuth"); azimuth.part == "direction") {
+    parts.azimuth = {true, azimuth.settings["sigma_rad"]};
+  }
+}
+
+void choose_rules(const Assembly& spec, PipelineParts& parts) {
+  parts.readings = readings_of(spec);
+  const Chosen floor = spec.chosen("floor");
+  parts.floor = {floor.settings["memory"], floor.settings["margin"]};
+  if (const Chosen heading = spec.chosen("heading"); heading.part == "track-kalman") {
+    parts.track_heading = true;
+    parts.heading = {heading.settings["turn_sigma_rad_rts"], heading.settings["track_sigma_m"]};
+  }
+  const Chosen recovery = spec.chosen("recovery");
+  parts.recovery.restart = recovery.part == "restart";
+  if (parts.recovery.restart) {
+    parts.recovery.gate_sigmas = recovery.settings["gate_sigmas"];
+    parts.recovery.misses = recovery.settings.count("misses");
+  }
+}
+
+std::shared_ptr<PipelineParts> prepare(const Assembly& spec, std::shared_ptr<const Site> site) {
+  auto parts = std::make_shared<PipelineParts>();
+  parts->origin = frame_origin(*site);
+  const Framed framed(*site, parts->origin);
+  parts->map = RadioMap::build(framed.survey);
+  if (const Chosen locator = spec.chosen("locator"); locator.part != "none") {
+    parts->locator =
+        row_of(locator_catalogue(), locator.part).prepare({parts->map, framed.survey, framed.floors}, locator.settings);
+  }
+  const Chosen motion = spec.chosen("motion");
+  parts->motion = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
+  parts->make_filter = filter_maker(spec, parts->motion);
+  parts->site = std::move(site);
+  choose_measurements(spec, *parts);
+  choose_rules(spec, *parts);
+  return parts;
+}
+
 class Pipeline final : public TrackerFactory {
  public:
-  Pipeline(PipelineSpec spec, std::shared_ptr<const PipelineParts> parts) : spec_(std::move(spec)), parts_(std::move(parts)) {}
+  Pipeline(PipelineSpec spec, std::shared_ptr<const PipelineParts> parts, std::vector<std::string> remarks, std::string learnt)
+      : spec_(std::move(spec)), parts_(std::move(parts)), remarks_(std::move(remarks)), learnt_(std::move(learnt)) {}
   std::unique_ptr<Tracker> make_tracker(Random random, const std::optional<KnownStart>& start) const override {
     return std::make_unique<FusionTracker>(parts_, random, start);
   }
   const PipelineSpec& spec() const override { return spec_; }
+  std::vector<std::string> remarks() const override { return remarks_; }
+  std::string learnt() const override { return learnt_; }
 
  private:
   PipelineSpec spec_;
   std::shared_ptr<const PipelineParts> parts_;
+  std::vector<std::string> remarks_;
+  std::string learnt_;
 };
+
+/// The building's stored corrector, else one trained on its survey, else a remark that says why there is none.
+Result<std::string> add_corrector(const Assembly& spec, PipelineParts& parts, std::vector<std::string>& remarks) {
+  const auto [part, settings] = spec.chosen("corrector");
+  if (part == "none") return std::string{};
+  if (!parts.site->corrector.empty()) {
+    auto stored = Corrector::parse(parts.site->corrector);
+    if (!stored) return stored.fault();
+    parts.corrector = std::make_shared<Corrector>(*std::move(stored));
+    return parts.site->corrector;
+  }
+  auto trained = train_corrector(*parts.site, [&](std::shared_ptr<const Site> site) { return prepare(spec, std::move(site)); },
+                                 {.iterations = settings.count("iterations")});
+  if (!trained) {
+    remarks.push_back("no corrector: " + trained.fault().cause);
+    return std::string{};
+  }
+  parts.corrector = std::make_shared<Corrector>(*std::move(trained));
+  return parts.corrector->to_json();
+}
 
 }  // namespace
 
@@ -148,38 +237,11 @@ Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec,
   if (auto checked = check(spec); !checked) return checked.fault();
   const Assembly assembly(spec);
   if (auto fitting = fits(assembly); !fitting) return fitting.fault();
-
-  auto parts = std::make_shared<PipelineParts>();
-  parts->site = site;
-  parts->origin = frame_origin(*site);
-  const Framed framed(*site, parts->origin);
-  parts->map = RadioMap::build(framed.survey);
-  if (const Chosen locator = assembly.chosen("locator"); locator.part != "none") {
-    parts->locator = row_of(locator_catalogue(), locator.part)
-                         .prepare({parts->map, framed.survey, framed.floors}, locator.settings);
-  }
-  const Chosen motion = assembly.chosen("motion");
-  parts->motion = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
-  parts->make_filter = filter_maker(assembly, parts->motion);
-  parts->readings = readings_of(assembly);
-
-  const Chosen measurement = assembly.chosen("measurement");
-  parts->measurement = measurement.part == "fix" ? MeasurementKind::kFix : MeasurementKind::kNone;
-  if (measurement.part == "fix") parts->fix_sigma_m = measurement.settings["sigma_m"];
-  const Chosen floor = assembly.chosen("floor");
-  parts->floor = {floor.settings["memory"], floor.settings["margin"]};
-  parts->gnss = assembly.chosen("gnss").part == "fix";
-  if (const Chosen heading = assembly.chosen("heading"); heading.part == "track-kalman") {
-    parts->track_heading = true;
-    parts->heading = {heading.settings["turn_sigma_rad_rts"], heading.settings["track_sigma_m"]};
-  }
-  const Chosen recovery = assembly.chosen("recovery");
-  parts->recovery.restart = recovery.part == "restart";
-  if (parts->recovery.restart) {
-    parts->recovery.gate_sigmas = recovery.settings["gate_sigmas"];
-    parts->recovery.misses = recovery.settings.count("misses");
-  }
-  return std::shared_ptr<const TrackerFactory>(std::make_shared<Pipeline>(spec, parts));
+  auto parts = prepare(assembly, std::move(site));
+  std::vector<std::string> remarks;
+  auto learnt = add_corrector(assembly, *parts, remarks);
+  if (!learnt) return learnt.fault();
+  return std::shared_ptr<const TrackerFactory>(std::make_shared<Pipeline>(spec, parts, std::move(remarks), *std::move(learnt)));
 }
 
 }  // namespace wayfuse

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/pipeline/field_measurement.hpp"
 #include "server/tracking/fix_measurement.hpp"
+#include "server/tracking/range_measurement.hpp"
+#include "server/tracking/velocity_measurements.hpp"
 
 namespace wayfuse {
 namespace {
@@ -15,6 +18,8 @@ constexpr double kMostSpreadM = 50.0;
 constexpr double kIdleDriftMps = 0.5;    // how fast an answer ages after the newest evidence
 constexpr double kTrackPieceM = 6.0;     // length of track a heading is read off [P1 eq. 17]
 constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;  // sigma of a uniform angle
+constexpr double kLeastSpeedSigmaMps = 0.1;
+constexpr double kLeastHeadingSigmaRad = 0.05;
 constexpr double kVagueHeadingRad = 0.7;
 constexpr double kStaleScanS = 15.0;
 constexpr double kSuspectS = 5.0;
@@ -74,6 +79,9 @@ FusionTracker::FusionTracker(const FusionTracker& other)
       misses_(other.misses_),
       heard_scans_(other.heard_scans_),
       restarted_(other.restarted_),
+      first_gnss_(other.first_gnss_),
+      correction_inputs_(other.correction_inputs_),
+      correction_(other.correction_),
       from_(other.from_) {}
 
 double FusionTracker::in_frame_rad(const MotionReport& motion) const {
@@ -138,6 +146,7 @@ void FusionTracker::feed(const MotionReport& motion) {
     filtered_to_ = motion.time;
   } else {
     advance(motion.time);
+    measure_velocity(motion, moved);
   }
   guard_against_nan();
 }
@@ -161,31 +170,80 @@ void FusionTracker::feed(const RssScan& scan) {
   from_.steps_since_scan = 0;
   newest_reading_ = fresh->newest;
   floor_.update(locator_->floors());
-  fix->place.point = plus(fix->place.point, minus(odometry_.now(), odometry_.at(fresh->heard)));
-  apply(*fix);
+  apply(*fix, minus(odometry_.now(), odometry_.at(fresh->heard)));
 }
 
-void FusionTracker::apply(const Fix& fix) {
+void FusionTracker::measure_velocity(const MotionReport& motion, const Motion& moved) {
+  if (parts_->speed.on) {
+    const double stated_mps = moved.distance_sigma_m / moved.dt_s;
+    const double sigma_mps = parts_->speed.sigma > 0.0 ? parts_->speed.sigma : std::max(stated_mps, kLeastSpeedSigmaMps);
+    filter_->update(SpeedMeasurement(moved.distance_m / moved.dt_s, sigma_mps), random_);
+  }
+  if (parts_->azimuth.on && !motion.at_rest && motion.reference != HeadingReference::kArbitrary) {
+    const double sigma_rad = parts_->azimuth.sigma > 0.0 ? parts_->azimuth.sigma : std::max(moved.heading_sigma_rad, kLeastHeadingSigmaRad);
+    filter_->update(DirectionMeasurement(moved.heading_rad, sigma_rad), random_);
+  }
+}
+
+// `carried`: what dead reckoning covered since the readings were heard.
+void FusionTracker::apply(const Fix& fix, BuildingPoint carried) {
   if (parts_->measurement == MeasurementKind::kNone) return;
-  const double sigma_m = parts_->fix_sigma_m > 0.0 ? parts_->fix_sigma_m : fix.sigma_m;
   advance(*newest_);
   if (fix.place.floor != floor_.floor()) return;  // a vote that was overruled says nothing about this floor
-  apply_fix(fix.place.point, sigma_m);
+  const BuildingPoint point = plus(fix.place.point, carried);
+  if (!filter_->started() || parts_->measurement == MeasurementKind::kFix) {
+    apply_fix(point, parts_->fix.sigma_m > 0.0 ? parts_->fix.sigma_m : fix.sigma_m);
+  } else if (parts_->measurement == MeasurementKind::kRanges) {
+    apply_ranges(carried);
+  } else {
+    apply_field(carried);
+  }
   align_heading();
+  const State mean = filter_->estimate().mean;
+  locator_->learn(kept_, {minus({mean.x_m, mean.y_m}, carried), floor_.floor()});
 }
 
 void FusionTracker::apply_fix(BuildingPoint point, double sigma_m) {
   if (!filter_->started()) return start_at(point, sigma_m);
-  misses_ = agrees(point, sigma_m) ? 0 : misses_ + 1;
+  misses_ = agrees(point, sigma_m, parts_->recovery.gate_sigmas) ? 0 : misses_ + 1;
   if (parts_->recovery.restart && misses_ >= parts_->recovery.misses) {
     restarted_ = newest_;
     return start_at(point, sigma_m);
   }
-  filter_->update(FixMeasurement(point.x_m, point.y_m, sigma_m), random_);
+  correction_inputs_.reset();
+  if (parts_->fix.gate_sigmas > 0.0 && !agrees(point, sigma_m, parts_->fix.gate_sigmas)) return;
+  const GaussianState before = filter_->estimate();
+  if (filter_->update(FixMeasurement(point.x_m, point.y_m, sigma_m), random_)) note_correction(before, point, sigma_m);
   guard_against_nan();
 }
 
-bool FusionTracker::agrees(BuildingPoint point, double sigma_m) const {
+void FusionTracker::note_correction(const GaussianState& before, BuildingPoint point, double sigma_m) {
+  const State after = filter_->estimate().mean;
+  const double variance = sigma_m * sigma_m;
+  correction_inputs_ = {after.x_m - before.mean.x_m, after.y_m - before.mean.y_m,
+                        before.covariance[0] / (before.covariance[0] + variance),
+                        before.covariance[5] / (before.covariance[5] + variance),
+                        point.x_m - before.mean.x_m, point.y_m - before.mean.y_m};
+  if (parts_->corrector) correction_ = {parts_->corrector->x(*correction_inputs_), parts_->corrector->y(*correction_inputs_)};
+}
+
+void FusionTracker::apply_ranges(BuildingPoint carried) {
+  RangeMeasurement measurement;
+  for (const TransmitterRange& range : locator_->ranges()) {
+    const BuildingPoint at = plus(range.transmitter, carried);  // the phone moved on: so do the circles
+    measurement.add({at.x_m, at.y_m, range.distance_m, parts_->range_sigma_scale * range.sigma_m});
+  }
+  if (measurement.dimension() > 0) filter_->update(measurement, random_);
+  guard_against_nan();
+}
+
+void FusionTracker::apply_field(BuildingPoint carried) {
+  const FieldMeasurement measurement(*locator_, floor_.floor(), carried, parts_->field.weight, parts_->field.outlier, field_scratch_);
+  filter_->update(measurement, random_);
+  guard_against_nan();
+}
+
+bool FusionTracker::agrees(BuildingPoint point, double sigma_m, double sigmas) const {
   const GaussianState belief = filter_->estimate();
   const double xx = belief.covariance[0] + sigma_m * sigma_m;
   const double yy = belief.covariance[5] + sigma_m * sigma_m;
@@ -193,13 +251,15 @@ bool FusionTracker::agrees(BuildingPoint point, double sigma_m) const {
   const double dx = point.x_m - belief.mean.x_m;
   const double dy = point.y_m - belief.mean.y_m;
   const double squared = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
-  return squared <= parts_->recovery.gate_sigmas * parts_->recovery.gate_sigmas;
+  return squared <= sigmas * sigmas;
 }
 
 void FusionTracker::start_at(BuildingPoint point, double sigma_m) {
   filter_->start(isotropic({point.x_m, point.y_m, 0.0, 0.0}, sigma_m, kStrollMps), random_);
   filtered_to_ = newest_;
   anchor_.reset();
+  correction_inputs_.reset();
+  correction_ = {};
   misses_ = 0;
 }
 
@@ -219,11 +279,13 @@ void FusionTracker::align_heading() {
 }
 
 void FusionTracker::feed(const GnssFix& fix) {
-  if (!parts_->gnss || !parts_->site->georeference || !std::isfinite(fix.point.latitude_deg) ||
+  if (parts_->gnss == GnssUse::kNone || !parts_->site->georeference || !std::isfinite(fix.point.latitude_deg) ||
       !std::isfinite(fix.point.longitude_deg) || !(fix.sigma_m > 0.0) || !(fix.sigma_m < 1e5)) {
     return;
   }
   newest_ = std::max(newest_.value_or(fix.time), fix.time);
+  if (!first_gnss_) first_gnss_ = fix.time;
+  if (parts_->gnss == GnssUse::kStart && seconds(fix.time - *first_gnss_) > parts_->gnss_start_s) return;
   advance(fix.time);
   if (!floor_.started()) floor_.set(FloorOrdinal{0});
   BuildingPoint point = minus(parts_->site->georeference->to_building(fix.point), parts_->origin);
@@ -256,7 +318,7 @@ std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
   FusedPosition position;
   position.valid_at = at;
   position.building = parts_->site->building;
-  position.place = {plus({belief.mean.x_m, belief.mean.y_m}, parts_->origin), floor_.floor()};
+  position.place = {plus(plus({belief.mean.x_m, belief.mean.y_m}, correction_), parts_->origin), floor_.floor()};
   if (parts_->site->georeference) position.geo = parts_->site->georeference->to_geo(position.place.point);
   position.floors = floor_.probabilities();
   position.covariance = {belief.covariance[0] + drift_m * drift_m, belief.covariance[1], belief.covariance[5] + drift_m * drift_m};

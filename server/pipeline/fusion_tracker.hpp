@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "server/locating/catalogue.hpp"
+#include "server/pipeline/corrector.hpp"
+#include "server/pipeline/field_measurement.hpp"
 #include "server/pipeline/floor_vote.hpp"
 #include "server/pipeline/odometry.hpp"
 #include "server/pipeline/reading_gate.hpp"
@@ -15,6 +17,21 @@
 namespace wayfuse {
 
 enum class MeasurementKind { kNone, kFix, kRanges, kField };
+enum class GnssUse { kNone, kFix, kStart };
+
+struct FixSettings {
+  double sigma_m = 0.0;            ///< 0 = the locator's own
+  double gate_sigmas = 0.0;        ///< a fix farther off is not applied; 0 = every fix is
+};
+struct FieldSettings {
+  double weight = 1.0;             ///< power of the likelihood
+  double outlier = 0.02;           ///< likelihood, against the best particle's, that no particle falls below
+};
+/// A phone's value taken as a measurement of a state with velocity [P5 eq. 2].
+struct VelocityUse {
+  bool on = false;
+  double sigma = 0.0;              ///< 0 = as the phone states it
+};
 
 /// A spec's parts, prepared for one building. Immutable, shared by all its sessions.
 struct PipelineParts {
@@ -26,12 +43,18 @@ struct PipelineParts {
   std::function<std::unique_ptr<Filter>()> make_filter;
   ReadingGateSettings readings;
   MeasurementKind measurement = MeasurementKind::kFix;
-  double fix_sigma_m = 0.0;                      ///< 0 = the locator's own
+  FixSettings fix;
+  FieldSettings field;
+  double range_sigma_scale = 1.0;
   FloorVoteSettings floor;
-  bool gnss = true;
+  GnssUse gnss = GnssUse::kFix;
+  double gnss_start_s = 20.0;                    ///< kStart: fixes count for so long, then never again
+  VelocityUse speed;
+  VelocityUse azimuth;
   bool track_heading = false;                    ///< [P1 eq. 17], otherwise as reported
   HeadingFilterSettings heading;
   RecoverySettings recovery;
+  std::shared_ptr<const Corrector> corrector;    ///< null: none
 };
 
 /// Evidence in, position out: predict to the evidence's own time, weigh, resample, correct.
@@ -50,13 +73,22 @@ class FusionTracker final : public Tracker {
   std::optional<FusedPosition> position(PhoneTime at) const override;
   Fault why_no_fix() const override;
 
+  /// Of the newest applied fix, for training; absent when it moved nothing.
+  std::optional<BackPropagation::Inputs> newest_correction_inputs() const { return correction_inputs_; }
+  /// The session's locator, for reports.
+  const Locator* locator() const { return locator_.get(); }
+
  private:
   double in_frame_rad(const MotionReport& motion) const;
   void turn(const MotionReport& motion, double dt_s);
   void advance(PhoneTime time);
-  void apply(const Fix& fix);
+  void measure_velocity(const MotionReport& motion, const Motion& moved);
+  void apply(const Fix& fix, BuildingPoint carried);
   void apply_fix(BuildingPoint point, double sigma_m);
-  bool agrees(BuildingPoint point, double sigma_m) const;
+  void apply_ranges(BuildingPoint carried);
+  void apply_field(BuildingPoint carried);
+  bool agrees(BuildingPoint point, double sigma_m, double sigmas) const;
+  void note_correction(const GaussianState& before, BuildingPoint point, double sigma_m);
   void start_at(BuildingPoint point, double sigma_m);
   void align_heading();
   void guard_against_nan();
@@ -89,7 +121,11 @@ class FusionTracker final : public Tracker {
   int misses_ = 0;
   int heard_scans_ = 0;
   std::optional<PhoneTime> restarted_;
+  std::optional<PhoneTime> first_gnss_;
+  std::optional<BackPropagation::Inputs> correction_inputs_;
+  BuildingPoint correction_;                     // what the corrector adds to the estimate
   Contributions from_;
+  FieldScratch field_scratch_;                   // not part of the state
 };
 
 }  // namespace wayfuse

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "server/pipeline/floor_vote.hpp"
+#include "server/pipeline/fusion_tracker.hpp"
 #include "server/pipeline/reading_gate.hpp"
 #include "server/pipeline/recovery.hpp"
 #include "server/tracking/heading_filter.hpp"
@@ -22,6 +23,7 @@ std::span<const Role> pipeline_roles() {
       Role{"azimuth", "none", "whether the phone's heading is a measurement"},
       Role{"filter", "particle", "how the uncertainty is kept"},
       Role{"resampler", "systematic", "how a particle filter renews its particles"},
+      Role{"corrector", "none", "what is added to the filter's estimate"},
       Role{"recovery", "restart", "what happens when the filter and the radio disagree for long"},
   };
   return roles;
@@ -37,12 +39,20 @@ std::span<const PartDescription> pipeline_parts() {
                        {"drop_repeats", 1, 0, 1, "1: a transmitter whose reading did not advance is dropped", "-", true}}},
       PartDescription{"readings", "all", "every reading, at the scan's arrival", {}},
       PartDescription{"measurement", "fix", "the locator's point with its sigma [P1 eq. 13]",
-                      {{"sigma_m", 0, 0, 100, "per axis; 0 = the locator's own; larger trusts the walking more", "[P1 eq. 13]"}}},
+                      {{"sigma_m", 0, 0, 100, "per axis; 0 = the locator's own; larger trusts the walking more", "[P1 eq. 13]"},
+                       {"gate_sigmas", 0, 0, 100, "a fix farther off is not applied; 0 = every fix is", "[P4]"}}},
+      PartDescription{"measurement", "ranges", "the locator's distances, each with its sigma [P3 eq. 3]",
+                      {{"sigma_scale", 1, 0.01, 100, "factor on the ranges' sigmas; larger trusts the walking more", "-"}}},
+      PartDescription{"measurement", "field", "the locator's likelihood at every particle",
+                      {{"weight", FieldSettings{}.weight, 0.01, 10, "power of the likelihood; smaller discounts scans that err together", "-"},
+                       {"outlier", FieldSettings{}.outlier, 0, 1, "likelihood no particle falls below, against the best one's", "-"}}},
       PartDescription{"measurement", "none", "scans are not used", {}},
       PartDescription{"floor", "vote", "recursive vote over floors with hysteresis",
                       {{"memory", FloorVoteSettings{}.memory, 0, 1, "weight of the past in each vote; 0 = the newest scan alone", "-"},
                        {"margin", FloorVoteSettings{}.margin, 0, 0.9, "lead another floor needs before the floor changes", "-"}}},
       PartDescription{"gnss", "fix", "a point with the sigma the receiver states; needs a georeferenced building", {}},
+      PartDescription{"gnss", "start", "satellite fixes start the track and then fall silent [P5]",
+                      {{"start_s", 20, 0, 3600, "seconds from the first fix during which they count", "[P5]"}}},
       PartDescription{"gnss", "none", "satellite fixes are not used", {}},
       PartDescription{"heading", "reported", "the phone's heading, turned into the building's frame", {}},
       PartDescription{"heading", "track-kalman", "corrected by the direction of the filter's own track [P1 eq. 17]",
@@ -51,11 +61,18 @@ std::span<const PartDescription> pipeline_parts() {
                        {"track_sigma_m", HeadingFilterSettings{}.track_sigma_m, 0.01, 100,
                         "error of the track across its direction; larger trusts the phone", "[P1 eq. 17]"}}},
       PartDescription{"speed", "none", "speed is not a measurement", {}},
+      PartDescription{"speed", "speed", "the phone's speed measures the state's [P5 eq. 2]",
+                      {{"sigma_mps", 0, 0, 10, "0 = as the phone states it; larger trusts the motion model", "[P5 eq. 4]"}}},
+      PartDescription{"azimuth", "direction", "the phone's heading measures the direction of the state's velocity [P5 eq. 2]",
+                      {{"sigma_rad", 0, 0, 3, "0 = as the phone states it; larger trusts the motion model", "[P5 eq. 4]"}}},
       PartDescription{"azimuth", "none", "heading is not a measurement", {}},
       PartDescription{"recovery", "restart", "start again from the fix after it disagreed several times in a row",
                       {{"gate_sigmas", RecoverySettings{}.gate_sigmas, 1, 100, "distance that counts as disagreement", "-"},
                        {"misses", RecoverySettings{}.misses, 1, 100, "disagreements in a row before the restart", "-", true}}},
       PartDescription{"recovery", "none", "never", {}},
+      PartDescription{"corrector", "none", "the filter's estimate is published as it is", {}},
+      PartDescription{"corrector", "back-propagation", "networks add the residual they learnt from the survey's walks [P4]",
+                      {{"iterations", BackPropagationSettings{}.iterations, 1, 100000, "training passes at most", "[P4]", true}}},
   };
   return parts;
 }

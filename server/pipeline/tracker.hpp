@@ -22,6 +22,7 @@ struct Site {
   std::vector<Floor> floors;
   std::vector<ReferencePoint> survey;
   std::uint64_t radio_map_version = 0;
+  std::string corrector;           ///< a trained corrector as TrackerFactory::learnt() gave it; empty = none stored
 };
 
 /// A place the caller knows the phone to be at when tracking begins (a door, a QR code, a measured start).
@@ -42,6 +43,10 @@ class TrackerFactory {
   /// Replay is exact: the same generator and the same evidence give the same bits, on every machine.
   virtual std::unique_ptr<class Tracker> make_tracker(Random random, const std::optional<KnownStart>& start = {}) const = 0;
   virtual const PipelineSpec& spec() const = 0;
+  /// What an operator should know: a part that could not be prepared and is left out, and why.
+  virtual std::vector<std::string> remarks() const { return {}; }
+  /// What was trained from this building's survey, with its provenance, to be stored in Site::corrector; empty = nothing.
+  virtual std::string learnt() const { return {}; }
 };
 
 /// One phone's position over time: takes evidence in time order, answers with positions.

@@ -1,11 +1,15 @@
 #include "server/tracking/catalogue.hpp"
 
 #include <array>
+#include <numbers>
 
 #include "server/tracking/gaussian_filters.hpp"
 #include "server/tracking/particle_filter.hpp"
 #include "server/tracking/resamplers.hpp"
+#include "server/tracking/steps_motion.hpp"
 #include "server/tracking/still_motion.hpp"
+#include "server/tracking/unscented_filter.hpp"
+#include "server/tracking/velocity_motion.hpp"
 #include "server/tracking/walk_motion.hpp"
 
 namespace wayfuse {
@@ -14,6 +18,14 @@ namespace {
 template <typename Kind>
 std::unique_ptr<Filter> gaussian(const PartSettings&, std::shared_ptr<const MotionModel> motion, std::shared_ptr<const Resampler>) {
   return std::make_unique<Kind>(std::move(motion));
+}
+
+const VelocitySettings kVelocity;
+const StepsSettings kSteps;
+
+VelocitySettings along_a_street(const PartSettings& s) {
+  return {std::numbers::pi / 2 - s["axis_azimuth_deg"] * std::numbers::pi / 180.0, s["along_sigma_m_rts"], s["along_sigma_mps_rts"],
+          s["across_sigma_m_rts"], s["across_sigma_mps_rts"]};
 }
 
 }  // namespace
@@ -28,6 +40,34 @@ std::span<const MotionModelRow> motion_model_catalogue() {
           [](const PartSettings& s) -> std::shared_ptr<const MotionModel> {
             return std::make_shared<WalkMotion>(WalkSettings{s["acceleration_sigma_mps2"]});
           }},
+      MotionModelRow{
+          {"motion", "steps", "dead reckoning a step at a time, errors drawn per particle [P2, P3 eq. 7]",
+           {{"length_share", kSteps.length_share, 0, 1, "sigma of a step's length as a share of it, where the phone states none", "[P3 eq. 8]"},
+            {"heading_sigma_rad", kSteps.heading_sigma_rad, 0, 3, "drawn anew for every step; larger follows the fixes", "[P3]"},
+            {"bias_sigma_rad", kSteps.bias_sigma_rad, 0, 3.2, "each particle's constant heading error at the start; 0 = none", "-"},
+            {"bias_drift_rad_rts", kSteps.bias_drift_rad_rts, 0, 1, "random walk of that error, per root second", "-"},
+            {"scale_sigma", kSteps.scale_sigma, 0, 0.5, "each particle's constant stride factor about 1; 0 = none", "-"}}},
+          [](const PartSettings& s) -> std::shared_ptr<const MotionModel> {
+            return std::make_shared<StepsMotion>(StepsSettings{s["length_share"], s["heading_sigma_rad"], s["bias_sigma_rad"],
+                                                               s["bias_drift_rad_rts"], s["scale_sigma"]});
+          }},
+      MotionModelRow{{"motion", "constant-velocity", "position and velocity, no control [P4 eqs. 1-2]",
+                      {{"sigma_m_rts", kVelocity.along_sigma_m_rts, 0, 100, "random walk of the position, per root second", "[P4]"},
+                       {"sigma_mps_rts", kVelocity.along_sigma_mps_rts, 0, 100,
+                        "random walk of the velocity, per root second; larger follows turns and noise", "[P4]"}}},
+                     [](const PartSettings& s) -> std::shared_ptr<const MotionModel> {
+                       return std::make_shared<VelocityMotion>(
+                           VelocitySettings{0.0, s["sigma_m_rts"], s["sigma_mps_rts"], s["sigma_m_rts"], s["sigma_mps_rts"]});
+                     }},
+      MotionModelRow{{"motion", "street", "position and velocity along and across a street, no control [P5 eqs. 1, 3]",
+                      {{"axis_azimuth_deg", 90, -360, 360, "of the street, clockwise from the frame's y axis", "[P5 eq. 1]"},
+                       {"along_sigma_m_rts", 0.05, 0, 100, "random walk of the position along, per root second", "[P5 eq. 3]"},
+                       {"along_sigma_mps_rts", 0.2, 0, 100, "random walk of the speed along", "[P5 eq. 3]"},
+                       {"across_sigma_m_rts", 0.05, 0, 100, "random walk of the position across", "[P5 eq. 3]"},
+                       {"across_sigma_mps_rts", 0.1, 0, 100, "random walk of the speed across", "[P5 eq. 3]"}}},
+                     [](const PartSettings& s) -> std::shared_ptr<const MotionModel> {
+                       return std::make_shared<VelocityMotion>(along_a_street(s));
+                     }},
       MotionModelRow{{"motion", "still", "nothing is known of the motion: the place stays and blurs",
                       {{"wander_m_rts", StillSettings{}.wander_m_rts, 0.0, 10.0,
                         "random walk, metres per root second; larger forgets sooner", "-"}}},
@@ -73,6 +113,12 @@ std::span<const FilterRow> filter_catalogue() {
       FilterRow{{"filter", "kalman", "Kalman filter; takes linear models only [P4 eqs. 1-7]", {}}, gaussian<ExtendedKalmanFilter>, false,
                 true},
       FilterRow{{"filter", "extended-kalman", "Kalman filter linearised at the mean [P5]", {}}, gaussian<ExtendedKalmanFilter>},
+      FilterRow{{"filter", "unscented-kalman", "Kalman filter through sigma points [P5]",
+                 {{"alpha", UnscentedSettings{}.alpha, 0.001, 2, "spread of the sigma points; smaller stays nearer the mean", "[P5]"}}},
+                [](const PartSettings& s, std::shared_ptr<const MotionModel> motion,
+                   std::shared_ptr<const Resampler>) -> std::unique_ptr<Filter> {
+                  return std::make_unique<UnscentedKalmanFilter>(std::move(motion), UnscentedSettings{.alpha = s["alpha"]});
+                }},
       FilterRow{{"filter", "newest-fix", "no memory: the newest fix, moved on by the motion", {}}, gaussian<NewestFixFilter>},
   };
   return rows;

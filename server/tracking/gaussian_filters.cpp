@@ -1,29 +1,14 @@
 #include "server/tracking/gaussian_filters.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
+#include "server/tracking/gaussian_algebra.hpp"
+
 namespace wayfuse {
 namespace {
-
-using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-using Vector4 = Eigen::Vector4d;
-constexpr int kMost = MeasurementModel::kMostDimensions;
-using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor, kMost, 4>;
-using Residual = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
-using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
-
-Vector4 vector_of(const State& s) { return {s.x_m, s.y_m, s.vx_mps, s.vy_mps}; }
-State state_of(const Vector4& v) { return {v[0], v[1], v[2], v[3]}; }
-Matrix4 matrix_of(const StateMatrix& m) { return Eigen::Map<const Matrix4>(m.data()); }
-StateMatrix array_of(const Matrix4& m) {
-  StateMatrix out;
-  Eigen::Map<Matrix4>(out.data()) = m;
-  return out;
-}
 
 GaussianState predicted(const GaussianState& belief, const MotionModel& model, const Motion& motion) {
   const Matrix4 f = matrix_of(model.jacobian(belief.mean, motion));
@@ -63,21 +48,20 @@ void ExtendedKalmanFilter::predict(const Motion& motion, Random&) { take(predict
 
 bool ExtendedKalmanFilter::update(const MeasurementModel& measurement, Random&) {
   const int m = measurement.dimension();
-  assert(m <= kMost);
+  assert(m <= kMostRows);
   if (m == 0) return false;
-  Jacobian h(m, 4);
-  Residual innovation(m), variance(m);
-  const auto span = [](auto& matrix) { return std::span<double>(matrix.data(), static_cast<std::size_t>(matrix.size())); };
-  measurement.jacobian(belief_.mean, span(h));
-  measurement.residual(belief_.mean, span(innovation));
-  measurement.variance(span(variance));
+  MeasurementJacobian h(m, 4);
+  MeasurementVector innovation(m), variance(m);
+  measurement.jacobian(belief_.mean, values_of(h));
+  measurement.residual(belief_.mean, values_of(innovation));
+  measurement.variance(values_of(variance));
   const Matrix4 p = matrix_of(belief_.covariance);
-  Square s = h * p * h.transpose();
+  MeasurementSquare s = h * p * h.transpose();
   s.diagonal() += variance;
-  const Eigen::LDLT<Square> solver(s);
+  const Eigen::LDLT<MeasurementSquare> solver(s);
   if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-  const Jacobian hp = h * p;
-  const Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMost> gain = solver.solve(hp).transpose();
+  const MeasurementJacobian hp = h * p;
+  const GainMatrix gain = solver.solve(hp).transpose();
   const Matrix4 kept = Matrix4::Identity() - gain * h;
   const Matrix4 next = kept * p * kept.transpose() + gain * variance.asDiagonal() * gain.transpose();
   return take({state_of(vector_of(belief_.mean) + gain * innovation), array_of(next)});

@@ -1,0 +1,150 @@
+#include "server/locating/path_loss.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/locating/propagation.hpp"
+#include "server/locating/probabilistic.hpp"
+#include "server/locating/trilateration.hpp"
+#include "tests/locating/plan.hpp"
+#include "wayfuse/proto/random.hpp"
+
+namespace wayfuse {
+namespace {
+
+Plan hall() {
+  return Plan({"A.....B",
+               ".......",
+               ".......",
+               ".......",
+               "C.....D"}, 5.0);
+}
+
+// The plan's law is 30 dB a decade of hypot(d, 1): the fit sees max(d, 1), the same within 0.1 dB beyond 5 m.
+TEST(FitPathLoss, FindsTransmitterLevelAndExponent) {
+  const auto map = RadioMap::build(hall().survey());
+  const auto laws = fit_path_loss(*map);
+  ASSERT_EQ(laws.size(), 4u);
+  const BuildingPoint corners[] = {{0, 20}, {30, 20}, {0, 0}, {30, 0}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_TRUE(laws[i]);
+    EXPECT_LT(distance_m(laws[i]->transmitter.point, corners[i]), 1.5) << i;
+    EXPECT_NEAR(laws[i]->exponent, 3.0, 0.1);
+    EXPECT_NEAR(laws[i]->at_1m_dbm, -30.0, 2.0);
+    EXPECT_EQ(laws[i]->points, 35);
+  }
+}
+
+TEST(FitPathLoss, PlacesNothingHeardAtThreePoints) {
+  const Plan tiny({"A.."}, 5.0);
+  const auto map = RadioMap::build(tiny.survey());
+  EXPECT_FALSE(fit_path_loss(*map)[0]);
+}
+
+TEST(PathLoss, DistanceUndoesLevel) {
+  const PathLoss law{{{0, 0}, {}}, -45.0, 2.2, 1.0, 10};
+  for (const double d_m : {1.0, 3.0, 40.0, 300.0}) EXPECT_NEAR(law.distance_m(law.level_dbm(d_m)), d_m, 1e-9);
+  EXPECT_TRUE(std::isfinite(law.distance_m(-120.0, kLeastExponent)));
+}
+
+TEST(Trilateration, FindsThePlaceOfAScan) {
+  const Trilateration model(RadioMap::build(hall().survey()), {});
+  const auto locator = model.make();
+  for (const BuildingPoint truth : {BuildingPoint{12, 8}, BuildingPoint{22, 13}, BuildingPoint{5, 17}}) {
+    const auto fix = locator->locate(hall().scan_at(truth));
+    ASSERT_TRUE(fix);
+    EXPECT_LT(distance_m(fix->place.point, truth), 2.0);
+    EXPECT_EQ(locator->ranges().size(), 4u);
+  }
+}
+
+TEST(Trilateration, HasNoFixFromTwoOrFromALine) {
+  const Trilateration model(RadioMap::build(hall().survey()), {});
+  RssScan scan = hall().scan_at({12, 8});
+  scan.readings.resize(2);
+  EXPECT_FALSE(model.make()->locate(scan));
+  const Plan street({"A...B...C"}, 5.0);
+  const Trilateration line(RadioMap::build(street.survey()), {});
+  const auto fix = line.make()->locate(street.scan_at({12, 0})).value_or(Fix{});
+  EXPECT_TRUE(std::isfinite(fix.place.point.x_m) && std::isfinite(fix.place.point.y_m));
+}
+
+// [P3 algorithm 2]: the exponents follow the world once the fused position is right, and stay when they are right within T.
+TEST(Trilateration, LearnsAnExponentThatChanged) {
+  const Trilateration model(RadioMap::build(hall().survey()), {});
+  TrilaterationLocator locator(model);
+  const std::vector<double> surveyed(locator.exponents().begin(), locator.exponents().end());
+  const BuildingPoint truth{12, 8};
+  const auto drowned = [&](BuildingPoint at) {
+    RssScan scan = hall().scan_at(at);
+    for (auto& reading : scan.readings) reading.rss_dbm = -30.0 + (reading.rss_dbm + 30.0) * 3.6 / 3.0;  // exponent 3 -> 3.6
+    return scan;
+  };
+  ASSERT_TRUE(locator.locate(drowned(truth)));
+  locator.learn(drowned(truth), {truth, FloorOrdinal{0}});
+  for (std::size_t i = 0; i < surveyed.size(); ++i) EXPECT_NEAR(locator.exponents()[i], 3.6, 0.15);
+  const auto fix = locator.locate(drowned({15, 10}));
+  ASSERT_TRUE(fix);
+  EXPECT_LT(distance_m(fix->place.point, {15, 10}), 2.0);
+  const double before = locator.exponents()[0];
+  RssScan nearly = drowned({15, 10});
+  locator.learn(nearly, {{15, 10}, FloorOrdinal{0}});
+  EXPECT_NEAR(locator.exponents()[0], before, 0.05);
+}
+
+TEST(Trilateration, TakesAMeasuredRangeOverALevel) {
+  const Trilateration model(RadioMap::build(hall().survey()), {});
+  const BuildingPoint truth{12, 8}, corners[] = {{0, 20}, {30, 20}, {0, 0}, {30, 0}};
+  RssScan scan = hall().scan_at(truth);
+  for (std::size_t i = 0; i < 4; ++i) {
+    scan.readings[i].rss_dbm = -90.0;  // nonsense levels, true ranges
+    scan.readings[i].range_m = distance_m(truth, corners[i]);
+    scan.readings[i].range_sigma_m = 0.5;
+  }
+  const auto fix = model.make()->locate(scan);
+  ASSERT_TRUE(fix);
+  EXPECT_LT(distance_m(fix->place.point, truth), 1.5);
+}
+
+TEST(Propagation, FindsTheCellOfAScan) {
+  const Propagation model(RadioMap::build(hall().survey()), {});
+  const auto fix = model.make()->locate(hall().scan_at({12, 8}));
+  ASSERT_TRUE(fix);
+  EXPECT_LT(distance_m(fix->place.point, {12, 8}), 1.5);
+}
+
+TEST(Probabilistic, FindsThePointOfAScanByBothDensities) {
+  auto survey = hall().survey();
+  Random random(2);
+  for (auto& point : survey) {
+    for (auto& scan : point.scans) {
+      for (auto& reading : scan.readings) reading.rss_dbm += 2.0 * random.normal();
+    }
+  }
+  const auto map = RadioMap::build(survey);
+  for (const bool histogram : {false, true}) {
+    const Probabilistic model({map, survey, {}}, {.histogram = histogram, .sigma_db = 4.0});
+    const auto locator = model.make();
+    for (const BuildingPoint truth : {BuildingPoint{10, 10}, BuildingPoint{25, 5}}) {
+      const auto fix = locator->locate(hall().scan_at(truth));
+      ASSERT_TRUE(fix);
+      EXPECT_LT(distance_m(fix->place.point, truth), 4.0) << histogram;
+      EXPECT_GT(fix->sigma_m, 0.0);
+    }
+    EXPECT_FALSE(locator->locate({}));
+  }
+}
+
+TEST(Probabilistic, OneStrangeReadingDoesNotRuleThePlaceOut) {
+  const auto survey = hall().survey();
+  const Probabilistic model({RadioMap::build(survey), survey, {}}, {});
+  RssScan scan = hall().scan_at({10, 10});
+  scan.readings[0].rss_dbm = -20.0;  // somebody put a strong fake beside the phone
+  const auto fix = model.make()->locate(scan);
+  ASSERT_TRUE(fix);
+  EXPECT_LT(distance_m(fix->place.point, {10, 10}), 12.0);
+}
+
+}  // namespace
+}  // namespace wayfuse

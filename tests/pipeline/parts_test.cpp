@@ -1,0 +1,166 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/locating/catalogue.hpp"
+#include "server/pipeline/corrector.hpp"
+#include "server/pipeline/tracker.hpp"
+#include "tests/locating/plan.hpp"
+
+namespace wayfuse {
+namespace {
+
+using testing::HasSubstr;
+
+Plan hall() {
+  return Plan({"A....B....C",
+               "...........",
+               "...........",
+               "D....E....F"}, 4.0);
+}
+
+PhoneTime at(double time_s) { return PhoneTime{from_seconds(time_s)}; }
+
+std::shared_ptr<Site> hall_site() {
+  auto site = std::make_shared<Site>();
+  site->survey = hall().survey();
+  site->georeference = Georeference{{48.0, 11.0}, 0.0};
+  return site;
+}
+
+PipelineSpec with(std::map<std::string, PartChoice> parts) { return {"test", std::move(parts)}; }
+
+// A walk east with steps, scans and satellite fixes; the mean error of its second half.
+double walk_error_m(Tracker& tracker, const Site& site) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < 48; ++i) {
+    const double time_s = 0.5 * (i + 1);
+    const BuildingPoint truth{2.0 + 0.7 * (i + 1), 6.0};
+    MotionReport motion;
+    motion.time = at(time_s);
+    motion.interval = from_seconds(0.5);
+    motion.reference = HeadingReference::kTrue;
+    motion.heading_sigma_rad = 0.05;
+    motion.steps = 1;
+    motion.step_length_m = 0.7;
+    motion.distance_sigma_m = 0.05;
+    tracker.feed(motion);
+    if (i % 4 == 1) tracker.feed(GnssFix{at(time_s), site.georeference->to_geo(truth), 3.0, {}, {}});
+    if (i % 4 == 3) tracker.feed(hall().scan_at(truth, at(time_s)));
+    const auto position = tracker.position(at(time_s));
+    if (i < 24 || !position) continue;
+    sum += distance_m(position->place.point, truth);
+    ++count;
+  }
+  return count ? sum / count : INFINITY;
+}
+
+TEST(Parts, EveryPresetFollowsAWalk) {
+  const auto site = hall_site();
+  for (const auto& name : preset_names()) {
+    const auto factory = assemble(*preset(name), site);
+    ASSERT_TRUE(factory) << name;
+    const std::optional<KnownStart> start =
+        name == "dead-reckoning" ? std::optional(KnownStart{{{2.0, 6.0}, FloorOrdinal{0}}, 0.5, {}}) : std::nullopt;
+    const auto tracker = (*factory)->make_tracker(Random(1), start);
+    EXPECT_LT(walk_error_m(*tracker, *site), 3.5) << name;
+  }
+}
+
+TEST(Parts, EveryLocatorServesEveryMeasurementItPromises) {
+  const auto site = hall_site();
+  for (const LocatorRow& row : locator_catalogue()) {
+    if (!row.prepare) continue;
+    for (const char* measurement : {"fix", "ranges", "field"}) {
+      const std::string kind = measurement;
+      const bool promised = kind == "fix" ? row.gives_fix : kind == "ranges" ? row.gives_ranges : row.gives_likelihood;
+      const auto factory = assemble(with({{"locator", {row.description.name, {}}}, {"measurement", {kind, {}}}, {"motion", {"steps", {}}}}), site);
+      EXPECT_EQ(factory.has_value(), promised) << row.description.name << " " << kind;
+      if (!factory) continue;
+      const auto tracker = (*factory)->make_tracker(Random(1));
+      EXPECT_LT(walk_error_m(*tracker, *site), 3.5) << row.description.name << " " << kind;
+    }
+  }
+}
+
+TEST(Parts, TheSameInformationTwiceIsRefused) {
+  const auto fault = [](std::map<std::string, PartChoice> parts) {
+    const auto made = assemble(with(std::move(parts)), hall_site());
+    EXPECT_FALSE(made);
+    return made ? Fault{} : made.fault();
+  };
+  const auto heading = fault({{"locator", {"wknn", {}}}, {"motion", {"walk", {}}}, {"azimuth", {"direction", {}}}});
+  EXPECT_EQ(heading.code, FaultCode::kConflict);
+  EXPECT_EQ(heading.field, "parts.azimuth");
+  EXPECT_THAT(heading.cause, HasSubstr("twice"));
+  const auto speed = fault({{"locator", {"wknn", {}}}, {"motion", {"steps", {}}}, {"speed", {"speed", {}}}});
+  EXPECT_EQ(speed.field, "parts.speed");
+  EXPECT_EQ(fault({{"locator", {"wknn", {}}}, {"motion", {"still", {}}}, {"speed", {"speed", {}}}}).field, "parts.motion");
+}
+
+// A survey of walks whose fixes all err by the same bend: what a corrector is for.
+std::shared_ptr<Site> walked_site() {
+  auto site = hall_site();
+  for (int walk = 0; walk < 6; ++walk) {
+    for (int i = 0; i < 20; ++i) {
+      ReferencePoint point;
+      point.place = {{2.0 * i, 2.0 + walk}, FloorOrdinal{0}};
+      point.walk = "walk-" + std::to_string(walk);
+      point.scans = {hall().scan_at(point.place.point, at(10000.0 * walk + 2.0 * i))};
+      site->survey.push_back(point);
+    }
+  }
+  return site;
+}
+
+TEST(Corrector, IsTrainedOnTheSurveysWalksAndStoredWithItsProvenance) {
+  const auto site = walked_site();
+  const auto spec = *preset("p4");
+  const auto factory = *assemble(spec, site);
+  EXPECT_TRUE(factory->remarks().empty());
+  const auto corrector = Corrector::parse(factory->learnt());
+  ASSERT_TRUE(corrector);
+  EXPECT_EQ(corrector->from.walks, 6);
+  EXPECT_GT(corrector->from.samples, 60);
+  EXPECT_LT(corrector->from.rmse_after_m, corrector->from.rmse_before_m);
+  // Stored and loaded it is the same corrector, and nothing is trained again.
+  auto stored = std::make_shared<Site>(*site);
+  stored->corrector = factory->learnt();
+  const auto again = *assemble(spec, stored);
+  EXPECT_EQ(again->learnt(), factory->learnt());
+  const auto one = factory->make_tracker(Random(1)), two = again->make_tracker(Random(1));
+  walk_error_m(*one, *site);
+  walk_error_m(*two, *site);
+  EXPECT_EQ(one->position(at(30)), two->position(at(30)));
+}
+
+TEST(Corrector, SaysSoWhenThereIsNone) {
+  const auto factory = *assemble(*preset("p4"), hall_site());
+  ASSERT_EQ(factory->remarks().size(), 1u);
+  EXPECT_THAT(factory->remarks()[0], HasSubstr("0 walks"));
+  EXPECT_EQ(factory->learnt(), "");
+}
+
+TEST(Corrector, RefusesAStoredOneThatIsBroken) {
+  const std::string whole = (*assemble(*preset("p4"), walked_site()))->learnt();
+  for (std::string broken : {std::string("{}"), std::string("nonsense"), whole.substr(0, whole.size() / 2)}) {
+    EXPECT_FALSE(Corrector::parse(broken));
+    auto site = std::make_shared<Site>(*hall_site());
+    site->corrector = broken;
+    EXPECT_FALSE(assemble(*preset("p4"), site));
+  }
+}
+
+TEST(Gate, AWildFixDoesNotMoveP4) {
+  const auto site = hall_site();
+  const auto tracker = (*assemble(*preset("p4"), site))->make_tracker(Random(1));
+  for (int i = 0; i < 20; ++i) tracker->feed(hall().scan_at({8.0, 6.0}, at(1.0 + i)));
+  const auto before = tracker->position(at(20.0))->place.point;
+  tracker->feed(hall().scan_at({40.0, 12.0}, at(21.0)));  // a WiFi card fault
+  EXPECT_LT(distance_m(tracker->position(at(21.0))->place.point, before), 0.5);
+}
+
+}  // namespace
+}  // namespace wayfuse

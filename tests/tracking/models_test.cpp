@@ -1,0 +1,219 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "server/tracking/catalogue.hpp"
+#include "server/tracking/fix_measurement.hpp"
+#include "server/tracking/range_measurement.hpp"
+#include "server/tracking/velocity_measurements.hpp"
+#include "wayfuse/proto/heading.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::array<double, 4> array_of(const State& s) { return {s.x_m, s.y_m, s.vx_mps, s.vy_mps}; }
+State state_of(const std::array<double, 4>& a) { return {a[0], a[1], a[2], a[3]}; }
+
+std::shared_ptr<const MotionModel> standard(const MotionModelRow& row) {
+  return row.make(*check_settings(row.description, {row.description.name, {}}, ""));
+}
+
+Motion some_motion() {
+  return {.dt_s = 0.7, .heading_rad = 2.2, .heading_sigma_rad = 0.15, .distance_m = 0.9, .distance_sigma_m = 0.12, .spread_m = 0.0,
+          .steps = 1};
+}
+
+const State kSomewhere{3.0, -2.0, 0.8, -0.5};
+
+TEST(MotionModels, EveryJacobianEqualsTheNumericOne) {
+  for (const MotionModelRow& row : motion_model_catalogue()) {
+    const auto model = standard(row);
+    const StateMatrix jacobian = model->jacobian(kSomewhere, some_motion());
+    for (std::size_t column = 0; column < 4; ++column) {
+      constexpr double kStep = 1e-5;
+      auto above = array_of(kSomewhere), below = array_of(kSomewhere);
+      above[column] += kStep;
+      below[column] -= kStep;
+      const auto a = array_of(model->propagate(state_of(above), some_motion()));
+      const auto b = array_of(model->propagate(state_of(below), some_motion()));
+      for (std::size_t line = 0; line < 4; ++line) {
+        EXPECT_NEAR(jacobian[4 * line + column], (a[line] - b[line]) / (2 * kStep), 1e-7) << row.description.name << line << column;
+      }
+    }
+  }
+}
+
+// Particles and the Gaussian form must be two faces of one model: mean and covariance of a cloud after one propagation.
+TEST(MotionModels, ParticlesSpreadAsTheirGaussianFormSays) {
+  for (const MotionModelRow& row : motion_model_catalogue()) {
+    const auto model = standard(row);
+    Random random(4);
+    ParticleCloud cloud(100000, model->columns());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      cloud.x_m()[i] = 3.0f;
+      cloud.y_m()[i] = -2.0f;
+      if (cloud.has(ParticleCloud::kVx)) {
+        cloud.vx_mps()[i] = 0.8f;
+        cloud.vy_mps()[i] = -0.5f;
+      }
+    }
+    model->start(cloud, random);
+    model->propagate(cloud, some_motion(), random);
+    const State mean = model->propagate(kSomewhere, some_motion());
+    const StateMatrix noise = model->noise(kSomewhere, some_motion());
+    double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const double dx = static_cast<double>(cloud.x_m()[i]) - mean.x_m, dy = static_cast<double>(cloud.y_m()[i]) - mean.y_m;
+      x += dx, y += dy, xx += dx * dx, xy += dx * dy, yy += dy * dy;
+    }
+    const auto n = static_cast<double>(cloud.size());
+    // A drawn angle bends the mean by d (1 - exp(-s^2/2)) ~ 0.9 * 0.0125: 1.2 cm; beyond that, Monte Carlo.
+    EXPECT_NEAR(x / n, 0.0, 0.015) << row.description.name;
+    EXPECT_NEAR(y / n, 0.0, 0.015) << row.description.name;
+    const double scale = noise[0] + noise[5] + 1e-6;
+    EXPECT_NEAR(xx / n, noise[0], 0.05 * scale) << row.description.name;
+    EXPECT_NEAR(xy / n, noise[1], 0.05 * scale) << row.description.name;
+    EXPECT_NEAR(yy / n, noise[5], 0.05 * scale) << row.description.name;
+  }
+}
+
+std::vector<std::unique_ptr<MeasurementModel>> measurements() {
+  std::vector<std::unique_ptr<MeasurementModel>> all;
+  all.push_back(std::make_unique<FixMeasurement>(1.0, 2.0, 1.5));
+  all.push_back(std::make_unique<SpeedMeasurement>(1.3, 0.2));
+  all.push_back(std::make_unique<DirectionMeasurement>(3.0, 0.2));
+  auto ranges = std::make_unique<RangeMeasurement>();
+  ranges->add({10.0, 0.0, 8.0, 1.0});
+  ranges->add({-3.0, 7.0, 11.0, 2.0});
+  all.push_back(std::move(ranges));
+  return all;
+}
+
+TEST(Measurements, EveryJacobianEqualsTheNumericOne) {
+  for (const auto& measurement : measurements()) {
+    const auto m = static_cast<std::size_t>(measurement->dimension());
+    std::vector<double> jacobian(4 * m), above(m), below(m);
+    measurement->jacobian(kSomewhere, jacobian);
+    for (std::size_t column = 0; column < 4; ++column) {
+      constexpr double kStep = 1e-5;
+      auto a = array_of(kSomewhere), b = array_of(kSomewhere);
+      a[column] += kStep;
+      b[column] -= kStep;
+      measurement->residual(state_of(a), above);
+      measurement->residual(state_of(b), below);
+      for (std::size_t row = 0; row < m; ++row) {  // the residual is z - h: its slope is minus h's
+        EXPECT_NEAR(jacobian[4 * row + column], wrap_angle_rad(below[row] - above[row]) / (2 * kStep), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Measurements, WeighParticlesByTheirOwnResidualAndVariance) {
+  for (const auto& measurement : measurements()) {
+    const auto m = static_cast<std::size_t>(measurement->dimension());
+    ParticleCloud cloud(2, ParticleCloud::kVelocity);
+    const State states[] = {kSomewhere, {3.5, -1.0, 1.1, -0.2}};
+    std::array<double, 2> expected{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      cloud.x_m()[i] = static_cast<float>(states[i].x_m);
+      cloud.y_m()[i] = static_cast<float>(states[i].y_m);
+      cloud.vx_mps()[i] = static_cast<float>(states[i].vx_mps);
+      cloud.vy_mps()[i] = static_cast<float>(states[i].vy_mps);
+      std::vector<double> residual(m), variance(m);
+      measurement->residual(states[i], residual);
+      measurement->variance(variance);
+      for (std::size_t row = 0; row < m; ++row) expected[i] -= 0.5 * residual[row] * residual[row] / variance[row];
+    }
+    std::array<float, 2> gained{};
+    measurement->weigh(cloud, gained);
+    EXPECT_NEAR(static_cast<double>(gained[1] - gained[0]), expected[1] - expected[0], 1e-3 * std::abs(expected[0]) + 1e-4);
+  }
+}
+
+TEST(DirectionMeasurement, WrapsItsResidual) {
+  const DirectionMeasurement measurement(kPi - 0.1, 0.2);
+  std::array<double, 1> residual{};
+  measurement.residual({0, 0, -1.0, -0.1}, residual);  // pointing at -pi + 0.0997
+  EXPECT_NEAR(residual[0], -0.1 - std::atan(0.1), 1e-12);
+}
+
+TEST(RangeMeasurement, KeepsThirtyTwoAtMost) {
+  RangeMeasurement measurement;
+  for (int i = 0; i < 100; ++i) measurement.add({1.0 * i, 0.0, 1.0, 1.0});
+  EXPECT_EQ(measurement.dimension(), MeasurementModel::kMostDimensions);
+}
+
+// Filters on models whose every step is linear must agree to the last digits.
+TEST(KalmanFamily, UnscentedEqualsExtendedOnLinearModels) {
+  for (const MotionModelRow& row : motion_model_catalogue()) {
+    const auto model = standard(row);
+    const auto made = [&](const char* name) {
+      for (const FilterRow& filter : filter_catalogue()) {
+        if (filter.description.name == name) {
+          return filter.make(*check_settings(filter.description, {name, {}}, ""), model, nullptr);
+        }
+      }
+      return std::unique_ptr<Filter>{};
+    };
+    const auto extended = made("extended-kalman"), unscented = made("unscented-kalman");
+    Random random(1);
+    for (Filter* filter : {extended.get(), unscented.get()}) filter->start(isotropic({1, 2, 0.5, 0.5}, 2.0, 1.0), random);
+    for (int i = 0; i < 50; ++i) {
+      for (Filter* filter : {extended.get(), unscented.get()}) {
+        filter->predict(some_motion(), random);
+        EXPECT_TRUE(filter->update(FixMeasurement(0.3 * i, std::sin(i), 2.0), random));
+      }
+      const GaussianState a = extended->estimate(), b = unscented->estimate();
+      EXPECT_NEAR(a.mean.x_m, b.mean.x_m, 1e-7) << row.description.name;
+      EXPECT_NEAR(a.mean.vy_mps, b.mean.vy_mps, 1e-7) << row.description.name;
+      for (std::size_t k = 0; k < 16; ++k) EXPECT_NEAR(a.covariance[k], b.covariance[k], 1e-7) << row.description.name;
+    }
+  }
+}
+
+TEST(KalmanFamily, FollowsAWalkThroughSpeedAndDirectionAlone) {
+  for (const char* name : {"extended-kalman", "unscented-kalman"}) {
+    const MotionModelRow& row = *std::ranges::find_if(motion_model_catalogue(),
+                                                      [](const auto& each) { return each.description.name == "constant-velocity"; });
+    const FilterRow& filter_row =
+        *std::ranges::find_if(filter_catalogue(), [&](const auto& each) { return each.description.name == name; });
+    const auto filter = filter_row.make(*check_settings(filter_row.description, {name, {}}, ""), standard(row), nullptr);
+    Random random(1);
+    filter->start(isotropic({0, 0, 0.1, 0.1}, 0.5, 1.0), random);
+    for (int i = 0; i < 400; ++i) {  // 40 s due south-west, across the wrap of the angle
+      filter->predict(Motion{.dt_s = 0.1}, random);
+      EXPECT_TRUE(filter->update(SpeedMeasurement(1.3, 0.1), random));
+      EXPECT_TRUE(filter->update(DirectionMeasurement(wrap_angle_rad(kPi + 0.05 * std::sin(i)), 0.1), random));
+    }
+    const State end = filter->estimate().mean;
+    EXPECT_NEAR(end.x_m, -52.0, 1.5) << name;
+    EXPECT_NEAR(end.y_m, 0.0, 1.5) << name;
+  }
+}
+
+TEST(KalmanFamily, AMinuteAndAFreshStartStayFinite) {
+  for (const FilterRow& row : filter_catalogue()) {
+    for (const MotionModelRow& motion : motion_model_catalogue()) {
+      const auto filter = row.make(*check_settings(row.description, {row.description.name, {}}, ""), standard(motion),
+                                   resampler_catalogue()[1].make({}));
+      Random random(1);
+      filter->start(isotropic({}, 0.0, 0.0), random);  // not a grain of doubt
+      Motion minute = some_motion();
+      minute.dt_s = 60.0;
+      minute.spread_m = 40.0;
+      filter->predict(minute, random);
+      filter->update(FixMeasurement(5.0, 5.0, 1e-3), random);
+      const GaussianState state = filter->estimate();
+      EXPECT_TRUE(std::isfinite(state.mean.x_m) && std::isfinite(state.covariance[0])) << row.description.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wayfuse
