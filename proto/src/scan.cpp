@@ -1,14 +1,21 @@
 #include "wayfuse/proto/scan.hpp"
 
+#include <array>
+
 namespace wayfuse {
 namespace {
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
+// 16 and more for what is no hexadecimal digit.
+constexpr std::array<std::uint8_t, 256> hex_digits() {
+  std::array<std::uint8_t, 256> digits{};
+  digits.fill(16);
+  for (std::uint8_t i = 0; i < 10; ++i) digits['0' + i] = i;
+  for (std::uint8_t i = 0; i < 6; ++i) digits['a' + i] = digits['A' + i] = static_cast<std::uint8_t>(10 + i);
+  return digits;
 }
+constexpr std::array<std::uint8_t, 256> kHexDigits = hex_digits();
+
+unsigned hex_digit(char c) { return kHexDigits[static_cast<unsigned char>(c)]; }
 
 }  // namespace
 
@@ -34,10 +41,10 @@ std::optional<Bssid> parse_bssid(std::string_view text) {
   for (std::size_t octet = 0; octet < 6; ++octet) {
     const std::size_t at = octet * (separated ? 3 : 2);
     if (separated && octet > 0 && text[at - 1] != separator) return std::nullopt;
-    const int high = hex_digit(text[at]);
-    const int low = hex_digit(text[at + 1]);
-    if (high < 0 || low < 0) return std::nullopt;
-    bssid.value = bssid.value << 8 | static_cast<std::uint64_t>(high * 16 + low);
+    const unsigned high = hex_digit(text[at]);
+    const unsigned low = hex_digit(text[at + 1]);
+    if ((high | low) >= 16) return std::nullopt;
+    bssid.value = bssid.value << 8 | (high * 16 + low);
   }
   return bssid;
 }

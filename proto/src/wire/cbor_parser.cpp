@@ -36,9 +36,10 @@ struct Head {
   bool indefinite() const { return info == 31; }
 };
 
+// A value takes a byte at least: hence the bound on nodes.
 class CborParser {
  public:
-  explicit CborParser(std::string_view frame) : frame_(frame), builder_(frame) {}
+  explicit CborParser(std::string_view frame) : frame_(frame), builder_(frame, frame.size() + 1) {}
 
   Result<Tree> run() { return builder_.finish(document()); }
 
@@ -59,10 +60,11 @@ class CborParser {
     head.major = initial >> 5;
     head.info = initial & 31u;
     head.argument = head.info;
-    if (head.info < 24) {
-      ++at_;
-      return true;
-    }
+    if (head.info >= 24) return long_head(head);
+    ++at_;
+    return true;
+  }
+  bool long_head(Head& head) {
     if (head.info > 27) {
       const bool may_be_indefinite = head.major >= kByteString && head.major != kTag;
       if (head.info != 31 || !may_be_indefinite) return malformed("a reserved length");
@@ -94,16 +96,13 @@ class CborParser {
   }
 
   bool integer(const Head& h) {
-    Node node;
     if (h.argument <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-      node.kind = Kind::kInteger;
       const auto magnitude = static_cast<std::int64_t>(h.argument);
-      node.integer = h.major == kNegative ? -1 - magnitude : magnitude;
-    } else {
-      node.kind = Kind::kReal;  // far beyond every range here; only its being well formed matters
-      node.real = h.major == kNegative ? -1.0 - static_cast<double>(h.argument) : static_cast<double>(h.argument);
+      builder_.add_integer(h.major == kNegative ? -1 - magnitude : magnitude);
+    } else {  // far beyond every range here; only its being well formed matters
+      const auto magnitude = static_cast<double>(h.argument);
+      builder_.add_real(h.major == kNegative ? -1.0 - magnitude : magnitude);
     }
-    builder_.add(node);
     return true;
   }
 
@@ -121,7 +120,11 @@ class CborParser {
   bool text(const Head& h) {
     std::string_view content;
     if (h.indefinite() ? !chunks(h.major, content) : !chunk(h, content)) return false;
-    builder_.add_text(h.major == kTextString ? Kind::kText : Kind::kBytes, content);
+    if (builder_.at_key()) {
+      builder_.add_key(content);
+    } else {
+      builder_.add_text(h.major == kTextString ? Kind::kText : Kind::kBytes, content);
+    }
     return true;
   }
 
@@ -169,28 +172,16 @@ class CborParser {
   }
 
   bool simple(const Head& h) {
-    Node node;
     switch (h.info) {
-      case 20: node.kind = Kind::kFalse; break;
-      case 21: node.kind = Kind::kTrue; break;
-      case 22: node.kind = Kind::kNull; break;
-      case 25:
-        node.kind = Kind::kReal;
-        node.real = half_to_double(static_cast<unsigned>(h.argument));
-        break;
-      case 26:
-        node.kind = Kind::kReal;
-        node.real = std::bit_cast<float>(static_cast<std::uint32_t>(h.argument));
-        break;
-      case 27:
-        node.kind = Kind::kReal;
-        node.real = std::bit_cast<double>(h.argument);
-        break;
+      case 20: builder_.add(Kind::kFalse); return true;
+      case 21: builder_.add(Kind::kTrue); return true;
+      case 22: builder_.add(Kind::kNull); return true;
+      case 25: builder_.add_real(half_to_double(static_cast<unsigned>(h.argument))); return true;
+      case 26: builder_.add_real(std::bit_cast<float>(static_cast<std::uint32_t>(h.argument))); return true;
+      case 27: builder_.add_real(std::bit_cast<double>(h.argument)); return true;
       case 31: return malformed("a break outside an indefinite length");
       default: return malformed("simple value " + std::to_string(h.argument) + ": this protocol has none beyond false, true, null");
     }
-    builder_.add(node);
-    return true;
   }
 
   std::string_view frame_;

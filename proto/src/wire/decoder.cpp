@@ -22,6 +22,16 @@ const char* name_of(Kind kind) {
 
 }  // namespace
 
+std::uint32_t Decoder::search(std::string_view name) {
+  std::uint32_t key = scope_.next;
+  for (std::uint32_t pair = tree_.nodes[scope_.map].size; pair > 0; --pair) {
+    if (key == scope_.end) key = scope_.map + 1;
+    if (tree_.nodes[key].view() == name) return found(key);
+    key = tree_.after(key + 1);
+  }
+  return 0;
+}
+
 void Decoder::wrong_type(std::uint32_t node, const char* wanted, const Step& at) {
   trail_.fail(at, FaultCode::kWrongType, std::string(wanted) + " is expected, not " + name_of(tree_.nodes[node].kind));
 }

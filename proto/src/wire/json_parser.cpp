@@ -1,7 +1,8 @@
+#include <algorithm>
+#include <bit>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
-#include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -70,10 +71,11 @@ double slow_number(const char* begin, const char* end) {
   return negative ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
 }
 
+// A value takes a byte at least, and so does what stands between two or closes one: hence the bound on nodes.
 class JsonParser {
  public:
   explicit JsonParser(std::string_view frame)
-      : begin_(frame.data()), at_(frame.data()), end_(frame.data() + frame.size()), builder_(frame) {}
+      : begin_(frame.data()), at_(frame.data()), end_(frame.data() + frame.size()), builder_(frame, frame.size() / 2 + Limits::kDepth + 1) {}
 
   Result<Tree> run() { return builder_.finish(document()); }
 
@@ -102,7 +104,7 @@ class JsonParser {
     switch (*at_) {
       case '{': return map();
       case '[': return list();
-      case '"': return text("a text");
+      case '"': return text(false);
       case 't': return word("true", Kind::kTrue);
       case 'f': return word("false", Kind::kFalse);
       case 'n': return word("null", Kind::kNull);
@@ -113,9 +115,7 @@ class JsonParser {
   bool word(std::string_view word, Kind kind) {
     if (std::string_view(at_, static_cast<std::size_t>(end_ - at_)).substr(0, word.size()) != word) return unexpected("a value");
     at_ += word.size();
-    Node node;
-    node.kind = kind;
-    builder_.add(node);
+    builder_.add(kind);
     return true;
   }
 
@@ -137,7 +137,7 @@ class JsonParser {
     }
     while (true) {
       if (at_ == end_ || *at_ != '"') return unexpected("a key in quotes");
-      if (!text("a key")) return false;
+      if (!text(true)) return false;
       skip_blanks();
       if (at_ == end_ || *at_ != ':') return unexpected("':'");
       ++at_;
@@ -165,23 +165,51 @@ class JsonParser {
     }
   }
 
-  bool text(const char* what) {
+  bool text(bool is_key) {
+    const char* const what = is_key ? "a key" : "a text";
     const char* const start = ++at_;
-    unsigned bits = 0;
-    while (at_ != end_ && *at_ != '"' && *at_ != '\\' && static_cast<unsigned char>(*at_) >= 0x20) {
-      bits |= static_cast<unsigned char>(*at_++);
-    }
+    const bool ascii = run_to_special();
     if (at_ == end_) return malformed(std::string("the message ends inside ") + what);
     if (static_cast<unsigned char>(*at_) < 0x20) return malformed(std::string("a bare control character inside ") + what);
     std::string_view content(start, static_cast<std::size_t>(at_ - start));
-    if (*at_ == '\\') {
-      if (!unescape(start, what, content)) return false;
-      bits = 0x80;
-    }
+    const bool escaped = *at_ == '\\';
+    if (escaped && !unescape(start, what, content)) return false;
     ++at_;
-    if (bits >= 0x80 && !is_utf8(content)) return builder_.fail(FaultCode::kBadText, std::string(what) + " is not UTF-8");
-    builder_.add_text(Kind::kText, content);
+    if ((escaped || !ascii) && !is_utf8(content)) return builder_.fail(FaultCode::kBadText, std::string(what) + " is not UTF-8");
+    if (is_key) {
+      builder_.add_key(content);
+    } else {
+      builder_.add_text(Kind::kText, content);
+    }
     return true;
+  }
+
+  // Goes to the next quote, backslash, control character or the end; false = a byte beyond ASCII may stand before it.
+  bool run_to_special() {
+    constexpr std::uint64_t kOnes = 0x0101010101010101u;
+    constexpr std::uint64_t kHighs = 0x8080808080808080u;
+    std::uint64_t seen = 0;
+    if constexpr (std::endian::native == std::endian::little) {
+      while (end_ - at_ >= 8) {
+        std::uint64_t eight;
+        std::memcpy(&eight, at_, 8);
+        const std::uint64_t quote = eight ^ (kOnes * '"');
+        const std::uint64_t backslash = eight ^ (kOnes * '\\');
+        // The high bit of the first byte that is zero, zero, or below 0x20; bytes above it may be wrong and do not matter.
+        const std::uint64_t special = (((quote - kOnes) & ~quote) | ((backslash - kOnes) & ~backslash) |
+                                       ((eight - kOnes * 0x20) & ~eight)) & kHighs;
+        seen |= eight;
+        if (special != 0) {
+          at_ += std::countr_zero(special) / 8;
+          return (seen & kHighs) == 0;
+        }
+        at_ += 8;
+      }
+    }
+    while (at_ != end_ && *at_ != '"' && *at_ != '\\' && static_cast<unsigned char>(*at_) >= 0x20) {
+      seen |= static_cast<unsigned char>(*at_++);
+    }
+    return (seen & kHighs) == 0;
   }
 
   // Stands at the first backslash; leaves at_ on the closing quote.
@@ -272,20 +300,14 @@ class JsonParser {
   void add_number(const char* start, bool negative, std::uint64_t digits, std::ptrdiff_t count, std::ptrdiff_t decimals,
                   bool exponent) {
     static constexpr double kPowers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-    Node node;
     if (!exponent && decimals == 0 && count <= 18) {
-      node.kind = Kind::kInteger;
-      node.integer = negative ? -static_cast<std::int64_t>(digits) : static_cast<std::int64_t>(digits);
+      builder_.add_integer(negative ? -static_cast<std::int64_t>(digits) : static_cast<std::int64_t>(digits));
+    } else if (!exponent && count <= 15) {  // both exact, so the quotient is rounded once [Clinger 1990]
+      const double magnitude = static_cast<double>(digits) / kPowers[decimals];
+      builder_.add_real(negative ? -magnitude : magnitude);
     } else {
-      node.kind = Kind::kReal;
-      if (!exponent && count <= 15) {  // both exact, so the quotient is rounded once [Clinger 1990]
-        node.real = static_cast<double>(digits) / kPowers[decimals];
-        if (negative) node.real = -node.real;
-      } else {
-        node.real = slow_number(start, at_);
-      }
+      builder_.add_real(slow_number(start, at_));
     }
-    builder_.add(node);
   }
 
   const char* begin_;

@@ -11,6 +11,15 @@ namespace wayfuse::wire {
 namespace {
 
 constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::uint8_t kNoDigit = 64;
+
+constexpr std::array<std::uint8_t, 256> base64_digits() {
+  std::array<std::uint8_t, 256> digits{};
+  digits.fill(kNoDigit);
+  for (std::size_t i = 0; i < kBase64.size(); ++i) digits[static_cast<unsigned char>(kBase64[i])] = static_cast<std::uint8_t>(i);
+  return digits;
+}
+constexpr std::array<std::uint8_t, 256> kBase64Digits = base64_digits();
 
 unsigned byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
@@ -48,6 +57,10 @@ bool is_utf8(std::string_view text) {
         i += 8;
         continue;
       }
+    }
+    if (byte_at(text, i) < 0x80) {
+      ++i;
+      continue;
     }
     const std::size_t length = character_length(text, i);
     if (length == 0) return false;
@@ -108,9 +121,9 @@ std::optional<std::string> from_base64(std::string_view text) {
     const std::size_t padding = last && text[i + 3] == '=' ? (text[i + 2] == '=' ? 2 : 1) : 0;
     unsigned bits = 0;
     for (std::size_t k = 0; k < 4 - padding; ++k) {
-      const std::size_t digit = kBase64.find(text[i + k]);
-      if (digit == std::string_view::npos) return std::nullopt;
-      bits = bits << 6 | static_cast<unsigned>(digit);
+      const unsigned digit = kBase64Digits[static_cast<unsigned char>(text[i + k])];
+      if (digit == kNoDigit) return std::nullopt;
+      bits = bits << 6 | digit;
     }
     if (padding > 0 && (bits & (padding == 1 ? 3u : 15u)) != 0) return std::nullopt;
     bits <<= 6 * padding;

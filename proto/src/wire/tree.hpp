@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <string_view>
-#include <vector>
 
 #include "wayfuse/proto/result.hpp"
 
@@ -14,10 +13,10 @@ enum class Kind : std::uint8_t { kNull, kFalse, kTrue, kInteger, kReal, kText, k
 
 /// One value of a parsed frame. A container is followed by its members; a map's members are key (kText) and value in turn.
 struct Node {
-  Kind kind = Kind::kNull;
-  std::uint32_t size = 0;  ///< bytes of a text, elements of a list, pairs of a map
+  Kind kind;
+  std::uint32_t size;      ///< bytes of a text, elements of a list, pairs of a map
   union {
-    std::int64_t integer = 0;
+    std::int64_t integer;
     double real;           ///< also integers beyond 64 bits; infinite where the text overflows a double
     const char* text;      ///< into the frame, or into the tree's own memory where the text had escapes
     std::uint32_t end;     ///< of a container: index of the first node after its members
@@ -27,11 +26,11 @@ struct Node {
   bool is_container() const { return kind == Kind::kList || kind == Kind::kMap; }
 };
 
-/// A parsed frame as one flat vector in document order; the root is node 0.
+/// A parsed frame as one flat array in document order; the root is node 0.
 ///
 /// Well formed, depth within its limit, texts UTF-8, no key twice in a map: the parsers saw to that. The frame must outlive it.
 struct Tree {
-  std::vector<Node> nodes;
+  std::unique_ptr<Node[]> nodes;      ///< not initialised beyond the last one
   std::unique_ptr<char[]> unescaped;  ///< owns the texts that do not stand in the frame as they are
 
   /// Index of the value after the one at `index`.

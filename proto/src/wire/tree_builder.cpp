@@ -1,88 +1,67 @@
 #include "proto/src/wire/tree_builder.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
+#include <vector>
 
 #include "proto/src/wire/text.hpp"
 
 namespace wayfuse::wire {
 
-TreeBuilder::TreeBuilder(std::string_view frame) : frame_(frame) { tree_.nodes.reserve(frame.size() / 5 + 16); }
+TreeBuilder::TreeBuilder(std::string_view frame, std::size_t most_nodes) : frame_(frame), most_nodes_(most_nodes) {
+  tree_.nodes = std::make_unique_for_overwrite<Node[]>(most_nodes);
+}
 
 void TreeBuilder::open(Kind kind) {
   assert(may_open());
-  Node node;
-  node.kind = kind;
-  const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
-  add(node);
-  open_[depth_++] = index;
+  const std::uint32_t node = count_;
+  next(kind);
+  open_[++depth_] = Open{kind, false, node, 0, 0};
 }
 
 bool TreeBuilder::close() {
-  const std::uint32_t index = open_[depth_ - 1];
-  Node& node = tree_.nodes[index];
-  node.end = static_cast<std::uint32_t>(tree_.nodes.size());
-  if (node.kind == Kind::kMap) {
-    assert(node.size % 2 == 0);
-    if (!keys_differ(index)) return false;
+  const Open& container = open_[depth_];
+  Node& node = tree_.nodes[container.node];
+  node.end = count_;
+  node.size = container.members;
+  if (container.kind == Kind::kMap) {
+    assert(container.members % 2 == 0);
     node.size /= 2;
+    if (container.keys_alike && !keys_differ(container)) return false;
   }
   --depth_;
   return true;
 }
 
-void TreeBuilder::add_text(Kind kind, std::string_view text) {
-  Node node;
-  node.kind = kind;
-  node.size = static_cast<std::uint32_t>(text.size());
-  node.text = text.data();
-  add(node);
-}
-
 char* TreeBuilder::claim(std::size_t size) {
-  if (!tree_.unescaped) tree_.unescaped = std::make_unique<char[]>(frame_.size());
+  if (!tree_.unescaped) tree_.unescaped = std::make_unique_for_overwrite<char[]>(frame_.size());
   assert(claimed_ + size <= frame_.size());
   char* memory = tree_.unescaped.get() + claimed_;
   claimed_ += size;
   return memory;
 }
 
-bool TreeBuilder::keys_differ(std::uint32_t map) {
-  constexpr std::size_t kFew = 24;  // our own maps: comparing pairs is cheaper than sorting
-  std::string_view few[kFew];
-  std::vector<std::string_view> many;
-  const std::size_t count = tree_.nodes[map].size / 2;
-  std::size_t seen = 0;
-  for (std::uint32_t key = map + 1; seen < count; key = tree_.after(key + 1)) {
-    const std::string_view name = tree_.nodes[key].view();
-    if (count > kFew) {
-      many.push_back(name);
-    } else {
-      for (std::size_t i = 0; i < seen; ++i) {
-        if (few[i] == name) return fail(FaultCode::kDuplicateField, "key " + quoted(name) + " stands twice");
-      }
-      few[seen] = name;
-    }
-    ++seen;
-  }
-  std::ranges::sort(many);
-  const auto twice = std::ranges::adjacent_find(many);
-  return twice == many.end() || fail(FaultCode::kDuplicateField, "key " + quoted(*twice) + " stands twice");
+bool TreeBuilder::keys_differ(const Open& map) {
+  std::vector<std::string_view> keys;
+  keys.reserve(map.members / 2);
+  for (std::uint32_t key = map.node + 1; key < count_; key = tree_.after(key + 1)) keys.push_back(tree_.nodes[key].view());
+  std::ranges::sort(keys);
+  const auto twice = std::ranges::adjacent_find(keys);
+  return twice == keys.end() || fail(FaultCode::kDuplicateField, "key " + quoted(*twice) + " stands twice");
 }
 
 std::string TreeBuilder::path() const {
   std::string path;
-  for (int level = 0; level < depth_; ++level) {
-    const std::uint32_t container = open_[level];
-    const std::uint32_t inner = level + 1 < depth_ ? open_[level + 1] : static_cast<std::uint32_t>(tree_.nodes.size());
-    const Node& node = tree_.nodes[container];
-    if (node.kind == Kind::kList) {
+  for (int level = 1; level <= depth_; ++level) {
+    const Open& container = open_[level];
+    const bool innermost = level == depth_;
+    if (container.kind == Kind::kList) {
       // An inner open container is the last element counted; otherwise the fault is in the element to come.
-      path += '[' + std::to_string(level + 1 < depth_ ? node.size - 1 : node.size) + ']';
-    } else if (level + 1 < depth_ || node.size % 2 == 1) {
+      path += '[' + std::to_string(innermost ? container.members : container.members - 1) + ']';
+    } else if (!innermost || container.members % 2 == 1) {
       // The key stands right before the open value, or is the last node so far.
-      path += (path.empty() ? "" : ".") + clipped(tree_.nodes[inner - 1].view(), 64);
+      const std::uint32_t value = innermost ? count_ : open_[level + 1].node;
+      path += (path.empty() ? "" : ".") + clipped(tree_.nodes[value - 1].view(), 64);
     }
   }
   return path;
@@ -95,7 +74,7 @@ bool TreeBuilder::fail(FaultCode code, std::string cause) {
 
 Result<Tree> TreeBuilder::finish(bool parsed) {
   if (!parsed) return std::move(fault_);
-  assert(depth_ == 0);
+  assert(depth_ == 0 && count_ > 0);
   return std::move(tree_);
 }
 
