@@ -13,10 +13,13 @@
 namespace wayfuse {
 namespace {
 
+constexpr std::size_t kProcessBytes = 20;
+
 std::string holder(int descriptor) {
-  char text[32] = {};
-  const ssize_t length = ::pread(descriptor, text, sizeof text - 1, 0);
-  const std::string process(text, length > 0 ? static_cast<std::size_t>(length) : 0);
+  char text[kProcessBytes] = {};
+  const ssize_t length = ::pread(descriptor, text, sizeof text, 0);
+  const std::string padded(text, length > 0 ? static_cast<std::size_t>(length) : 0);
+  const std::string process = padded.substr(0, padded.find(' '));
   return process.empty() ? "another process" : "process " + process;
 }
 
@@ -37,11 +40,11 @@ FileLock::FileLock(const std::filesystem::path& database) {
     ::close(descriptor_);
     throw StoreError(busy);
   }
-  // Only to name the holder in the other process's fault; the lock itself is the kernel's.
-  const std::string process = std::to_string(::getpid());
-  if (::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, process.data(), process.size(), 0) < 0) {
-    (void)::ftruncate(descriptor_, 0);
-  }
+  // Only to name the holder in the other process's fault; the lock itself is the kernel's. Padded instead of truncated: ext4
+  // flushes a truncated file when it is closed.
+  std::string process = std::to_string(::getpid());
+  process.resize(kProcessBytes, ' ');
+  (void)!::pwrite(descriptor_, process.data(), process.size(), 0);
 }
 
 FileLock::~FileLock() {

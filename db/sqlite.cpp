@@ -193,6 +193,8 @@ void SqliteConnection::back_up_to(const std::filesystem::path& file, const std::
 
 namespace {
 
+constexpr sqlite3_int64 kPieceBytes = 64 * 1024;  // SQLite's unix VFS takes less than 128 KiB in one write
+
 struct CloseFile {
   void operator()(sqlite3_file* file) const {
     if (file->pMethods != nullptr) file->pMethods->xClose(file);
@@ -222,7 +224,7 @@ void make_log_durable(const std::filesystem::path& database, const std::string& 
   check(file->pMethods->xFileSize(file.get(), &size));
   std::string piece;
   for (sqlite3_int64 at = 0; at < size; at += static_cast<sqlite3_int64>(piece.size())) {
-    piece.resize(static_cast<std::size_t>(std::min<sqlite3_int64>(size - at, 1 << 20)));
+    piece.resize(static_cast<std::size_t>(std::min<sqlite3_int64>(size - at, kPieceBytes)));
     check(file->pMethods->xRead(file.get(), piece.data(), static_cast<int>(piece.size()), at));
     check(file->pMethods->xWrite(file.get(), piece.data(), static_cast<int>(piece.size()), at));
   }
