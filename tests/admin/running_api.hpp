@@ -1,0 +1,122 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "admin/api.hpp"
+
+namespace wayfuse {
+
+/// The whole admin API over a real store in a temporary folder, without a server around it.
+class RunningApi {
+ public:
+  class FixedClock final : public Clock {
+   public:
+    ServerTime now() const override { return ServerTime{} + shift; }
+    UnixTime wall_now() const override { return UnixTime{std::chrono::seconds(1'800'000'000)} + shift; }
+    Duration shift{0};
+  };
+
+  /// Remembers what the API told it and shows two sessions.
+  class FakeServer final : public ServerControl {
+   public:
+    Readiness readiness() const override { return {ready, ready ? std::vector<std::string>{} : std::vector<std::string>{"draining"}}; }
+    std::vector<SessionSummary> sessions(BuildingId building) const override {
+      std::vector<SessionSummary> found;
+      for (const std::uint64_t id : {1u, 2u}) {
+        if (building.value != 0 && building.value != id) continue;
+        SessionSummary session;
+        session.tracked = "phone-" + std::to_string(id);
+        session.building = {id};
+        found.push_back(session);
+      }
+      return found;
+    }
+    std::string metrics() const override { return "# TYPE wayfuse_sessions gauge\nwayfuse_sessions 2\n"; }
+    std::vector<PartDescription> parts() const override { return {{"locator", "wknn", "Nearest", {{"k", 4, 1, 64, "neighbours", "[P1]"}}}}; }
+    std::vector<std::string> presets() const override { return {"default", "p1"}; }
+    Result<std::string> preset_json(const std::string& name) const override {
+      if (name == "p1") return std::string(R"({"name":"p1","parts":{}})");
+      return Fault{FaultCode::kUnknownName, "pipeline", "'" + name + "' is none of default, p1"};
+    }
+    void building_changed(BuildingId building) override { changed.push_back(building); }
+    std::uint64_t radio_map_version(BuildingId) const override { return 7; }
+
+    bool ready = true;
+    std::vector<BuildingId> changed;
+  };
+
+  struct Answer {
+    int status;
+    std::string body;
+    std::map<std::string, std::string> headers;
+    std::string content_type;
+    nlohmann::json json() const { return nlohmann::json::parse(body); }
+  };
+
+  RunningApi() {
+    folder = std::filesystem::temp_directory_path() /
+             ("wayfuse-admin-" + std::to_string(::getpid()) + "-" + std::to_string(counter()++));
+    DatabaseDirectory::Options options;
+    options.own_thread = false;
+    auto opened = DatabaseDirectory::open(folder, options);
+    if (!opened) throw std::runtime_error(to_string(opened.fault()));
+    store = std::move(*opened);
+    auto ring = KeyRing::open(*store, clock);
+    if (!ring) throw std::runtime_error(to_string(ring.fault()));
+    keys = std::move(*ring);
+    router = std::make_unique<Router>(*keys);
+    add_building_routes(*router, *store, server);
+    add_survey_routes(*router, *store, server);
+    add_operation_routes(*router, server);
+    add_key_routes(*router, *keys, clock);
+    add_console_routes(*router);
+    admin = issue({Scope::kAdmin, Scope::kSurvey, Scope::kTrack, Scope::kObserve}, {});
+  }
+  ~RunningApi() {
+    store->close();
+    std::filesystem::remove_all(folder);
+  }
+
+  std::string issue(std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires = {}) {
+    return keys->issue("test", std::move(scopes), building, expires)->key;
+  }
+
+  Answer ask(const std::string& method, std::string path, const std::string& key, std::string body = {}) {
+    Request request;
+    request.method = method;
+    if (const auto mark = path.find('?'); mark != std::string::npos) {
+      const std::string query = path.substr(mark + 1);
+      const auto equals = query.find('=');
+      request.query[query.substr(0, equals)] = query.substr(equals + 1);
+      path.resize(mark);
+    }
+    request.path = path;
+    request.body = std::move(body);
+    if (!key.empty()) request.headers["authorization"] = "Bearer " + key;
+    std::optional<Response> response;
+    router->handle(request, [&](Response answer) { response = std::move(answer); });
+    if (!response) throw std::logic_error(method + " " + path + " was not answered");
+    return {response->status, response->body, response->headers, response->content_type};
+  }
+
+  std::filesystem::path folder;
+  FixedClock clock;
+  FakeServer server;
+  std::unique_ptr<DatabaseDirectory> store;
+  std::unique_ptr<KeyRing> keys;
+  std::unique_ptr<Router> router;
+  std::string admin;
+
+ private:
+  static int& counter() {
+    static int count = 0;
+    return count;
+  }
+};
+
+}  // namespace wayfuse
