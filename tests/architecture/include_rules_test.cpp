@@ -44,7 +44,8 @@ bool library_allowed(const std::string& room, const fs::path& file, const std::s
   const bool source = file.extension() == ".cpp";
   const auto starts = [&](const char* prefix) { return include.rfind(prefix, 0) == 0; };
   if (starts("boost/")) {
-    return room == "server/net" || room == "server" || (room == "sdk/client" && name.rfind("websocket_link", 0) == 0 && source);
+    const bool link = name.rfind("websocket_link", 0) == 0 && file.generic_string().rfind("sdk/src/", 0) == 0;
+    return room == "server/net" || room == "server" || (room == "sdk/client" && link);
   }
   if (starts("nlohmann/")) return source && room != "vocabulary" && room != "sdk/motion" && room != "server/tracking";
   if (starts("simdjson")) return source && room == "wire";
