@@ -21,7 +21,8 @@ ClientMessage scan_message() {
     reading.bssid.value = random.bits() >> 16;
     reading.rss_dbm = -30.0 - static_cast<double>(random.below(60));
     reading.age = Duration(random.below(5'000'000));
-    reading.frequency_mhz = static_cast<std::uint16_t>(random.below(2) == 0 ? 2412 + 5 * random.below(13) : 5180 + 20 * random.below(8));
+    reading.frequency_mhz =
+        static_cast<std::uint16_t>(random.below(2) == 0 ? 2412 + 5 * random.below(13) : 5180 + 20 * random.below(8));
     scan.readings.push_back(reading);
     batch.samples = {Sample{119, scan}};
     if (encode(ClientMessage(batch), Encoding::kJson).size() >= 1080) return batch;

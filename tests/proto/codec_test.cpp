@@ -38,8 +38,12 @@ void every_message_round_trips() {
   }
 }
 
-TEST(Codec, BringsEveryClientMessageBack) { every_message_round_trips<ClientMessage>(); }
-TEST(Codec, BringsEveryServerMessageBack) { every_message_round_trips<ServerMessage>(); }
+TEST(Codec, BringsEveryClientMessageBack) {
+  every_message_round_trips<ClientMessage>();
+}
+TEST(Codec, BringsEveryServerMessageBack) {
+  every_message_round_trips<ServerMessage>();
+}
 
 TEST(Codec, SpellsTheSameMapInBothEncodings) {
   // An independent reader sees the same names and numbers; addresses and sealed bytes differ by design.
@@ -47,7 +51,8 @@ TEST(Codec, SpellsTheSameMapInBothEncodings) {
   for (std::size_t kind = 0; kind < std::variant_size_v<ServerMessage>; ++kind) {
     const ServerMessage message = RandomFiller(random).message<ServerMessage>(kind);
     if (std::holds_alternative<Ticket>(message)) continue;
-    EXPECT_EQ(nlohmann::json::parse(encode(message, Encoding::kJson)), nlohmann::json::from_cbor(encode(message, Encoding::kCbor)));
+    EXPECT_EQ(nlohmann::json::parse(encode(message, Encoding::kJson)),
+              nlohmann::json::from_cbor(encode(message, Encoding::kCbor)));
   }
 }
 
@@ -57,10 +62,11 @@ TEST(Codec, NamesTheSubprotocols) {
 }
 
 TEST(Codec, SaysWhichReadingIsWrong) {
-  const auto fault = decode_client_message(
-      R"({"type":"samples","first_sequence":1,"samples":[{"kind":"scan","time_us":5,"readings":[)"
-      R"({"bssid":"aa:bb:cc:dd:ee:ff","rss_dbm":-50},{"bssid":"aa:bb:cc:dd:ee:fe","rss_dbm":-312}]}]})",
-      Encoding::kJson).fault();
+  const auto fault =
+      decode_client_message(R"({"type":"samples","first_sequence":1,"samples":[{"kind":"scan","time_us":5,"readings":[)"
+                            R"({"bssid":"aa:bb:cc:dd:ee:ff","rss_dbm":-50},{"bssid":"aa:bb:cc:dd:ee:fe","rss_dbm":-312}]}]})",
+                            Encoding::kJson)
+          .fault();
   EXPECT_EQ(to_string(fault), "out_of_range: samples[0].readings[1].rss_dbm: -312 is outside -120..0");
 }
 

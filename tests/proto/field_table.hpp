@@ -14,6 +14,7 @@ namespace wayfuse {
 /// Names of the maps that stand inside messages, as proto/README.md calls them.
 template <typename T>
 inline constexpr std::string_view kPartName = wire::kWireName<T>;
+// clang-format off
 template <> inline constexpr std::string_view kPartName<Place> = "place";
 template <> inline constexpr std::string_view kPartName<GeoPoint> = "geo point";
 template <> inline constexpr std::string_view kPartName<Georeference> = "georeference";
@@ -30,6 +31,7 @@ template <> inline constexpr std::string_view kPartName<Sample> = "sample";
 template <> inline constexpr std::string_view kPartName<WayPoint> = "way point";
 template <> inline constexpr std::string_view kPartName<FloorName> = "floor name";
 template <> inline constexpr std::string_view kPartName<Observed> = "observed";
+// clang-format on
 
 /// One row of a table of proto/README.md, without its last column, the meaning.
 struct FieldRow {
@@ -74,7 +76,9 @@ class Documenter {
     }
     row(name, value, kind, "no: " + standard);
   }
-  void information(std::string_view name, std::string_view) { here_.push_back({std::string(name), "text", "for people", "ignored"}); }
+  void information(std::string_view name, std::string_view) {
+    here_.push_back({std::string(name), "text", "for people", "ignored"});
+  }
   template <typename... Alternatives>
   void alternatives(std::string_view tag, const std::variant<Alternatives...>&) {
     std::string names;
@@ -98,7 +102,9 @@ class Documenter {
     here_ = std::move(outer);
   }
   template <typename T>
-  void later(const T& value) { table(kPartName<T>, value); }
+  void later(const T& value) {
+    table(kPartName<T>, value);
+  }
 
   template <typename T, typename K>
   void row(std::string_view name, const T& value, const K& kind, std::string needed) {
@@ -109,16 +115,46 @@ class Documenter {
   static std::string with_unit(std::string text, std::string_view unit) {
     return unit.empty() ? text : text.append(", ").append(unit);
   }
-  template <typename T> static std::string type(const T&, const wire::Real& kind) { return with_unit("number", kind.unit); }
-  template <typename T> static std::string type(const T&, const wire::Integer& kind) { return with_unit("integer", kind.unit); }
-  template <typename T> static std::string type(const T&, wire::Compass) { return "number, deg"; }
-  template <typename T> static std::string type(const T&, wire::Flag) { return "true or false"; }
-  template <typename T> static std::string type(const T&, const wire::Text& kind) { return kind.key ? "key" : "text"; }
-  template <typename T> static std::string type(const T&, const wire::Cause&) { return "text"; }
-  template <typename T> static std::string type(const T&, const wire::Choice&) { return "text"; }
-  template <typename T> static std::string type(const T&, wire::Address) { return "address"; }
-  template <typename T> static std::string type(const T&, const wire::Bytes&) { return "bytes"; }
-  template <typename T> static std::string type(const T&, wire::Object) { return "map: " + std::string(kPartName<T>); }
+  template <typename T>
+  static std::string type(const T&, const wire::Real& kind) {
+    return with_unit("number", kind.unit);
+  }
+  template <typename T>
+  static std::string type(const T&, const wire::Integer& kind) {
+    return with_unit("integer", kind.unit);
+  }
+  template <typename T>
+  static std::string type(const T&, wire::Compass) {
+    return "number, deg";
+  }
+  template <typename T>
+  static std::string type(const T&, wire::Flag) {
+    return "true or false";
+  }
+  template <typename T>
+  static std::string type(const T&, const wire::Text& kind) {
+    return kind.key ? "key" : "text";
+  }
+  template <typename T>
+  static std::string type(const T&, const wire::Cause&) {
+    return "text";
+  }
+  template <typename T>
+  static std::string type(const T&, const wire::Choice&) {
+    return "text";
+  }
+  template <typename T>
+  static std::string type(const T&, wire::Address) {
+    return "address";
+  }
+  template <typename T>
+  static std::string type(const T&, const wire::Bytes&) {
+    return "bytes";
+  }
+  template <typename T>
+  static std::string type(const T&, wire::Object) {
+    return "map: " + std::string(kPartName<T>);
+  }
   template <typename T, typename K>
   static std::string type(const std::vector<T>&, const wire::List<K>& kind) {
     const std::string element = type(T{}, kind.element);
@@ -133,7 +169,9 @@ class Documenter {
   static std::string range(const wire::Integer& kind) { return between(kind.least, kind.most); }
   static std::string range(wire::Compass) { return "0..360"; }
   static std::string range(wire::Flag) { return ""; }
-  static std::string range(const wire::Text& kind) { return std::to_string(kind.least) + ".." + std::to_string(kind.most) + " bytes"; }
+  static std::string range(const wire::Text& kind) {
+    return std::to_string(kind.least) + ".." + std::to_string(kind.most) + " bytes";
+  }
   static std::string range(const wire::Cause& kind) { return "0.." + std::to_string(kind.most) + " bytes"; }
   static std::string range(const wire::Choice& kind) {
     std::string names;
@@ -150,9 +188,16 @@ class Documenter {
     return element.empty() ? count : count + " of " + element;
   }
 
-  template <typename T, typename K> void nested(const T&, const K&) {}
-  template <typename T> void nested(const T& value, wire::Object) { later(value); }
-  template <typename T> void nested(const std::vector<T>&, const wire::List<wire::Object>&) { later(T{}); }
+  template <typename T, typename K>
+  void nested(const T&, const K&) {}
+  template <typename T>
+  void nested(const T& value, wire::Object) {
+    later(value);
+  }
+  template <typename T>
+  void nested(const std::vector<T>&, const wire::List<wire::Object>&) {
+    later(T{});
+  }
 
   std::set<std::string> seen_;
   std::vector<FieldRow> here_;

@@ -13,7 +13,7 @@ namespace wayfuse {
 
 /// A document of proto/examples.
 struct Golden {
-  std::string name;   ///< file name without `.json`
+  std::string name;  ///< file name without `.json`
   std::string text;
   bool from_client = false;
 };

@@ -48,7 +48,8 @@ TEST(Golden, SurvivesCborThereAndBack) {
 TEST(Golden, IsReadFromAForeignCborEncoder) {
   for (const Golden& golden : golden_documents()) {
     const std::vector<std::uint8_t> foreign = json::to_cbor(json::parse(golden.text));
-    const auto again = round_trip(std::string(foreign.begin(), foreign.end()), Encoding::kCbor, Encoding::kJson, golden.from_client);
+    const auto again =
+        round_trip(std::string(foreign.begin(), foreign.end()), Encoding::kCbor, Encoding::kJson, golden.from_client);
     ASSERT_TRUE(again) << golden.name << ": " << to_string(again.fault());
     EXPECT_EQ(json::parse(*again), json::parse(golden.text)) << golden.name;
   }

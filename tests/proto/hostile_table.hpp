@@ -11,10 +11,10 @@ namespace wayfuse {
 
 /// A row of a table of hostile inputs.
 struct HostileCase {
-  std::string where;      ///< file and line
+  std::string where;  ///< file and line
   bool from_client = true;
-  std::string expected;   ///< a fault's name, or `ok`
-  std::string field;      ///< the fault's path begins with this
+  std::string expected;  ///< a fault's name, or `ok`
+  std::string field;     ///< the fault's path begins with this
   std::string frame;
 };
 
@@ -25,7 +25,8 @@ inline std::string expanded(const std::string& text) {
     const std::size_t end = text[i] == '<' ? text.find('>', i) : std::string::npos;
     const std::string inner = end == std::string::npos ? "" : text.substr(i + 1, end - i - 1);
     const std::size_t star = inner.find('*');
-    if (inner.size() == 2 && std::isxdigit(static_cast<unsigned char>(inner[0])) && std::isxdigit(static_cast<unsigned char>(inner[1]))) {
+    if (inner.size() == 2 && std::isxdigit(static_cast<unsigned char>(inner[0])) &&
+        std::isxdigit(static_cast<unsigned char>(inner[1]))) {
       out += static_cast<char>(std::strtol(inner.c_str(), nullptr, 16));
       i = end;
     } else if (star != std::string::npos && star > 0 && std::isdigit(static_cast<unsigned char>(inner[0]))) {

@@ -93,9 +93,14 @@ TEST(Hostile, AgreesWithAnotherReaderOnWhatIsJson) {
       static constexpr std::string_view kBytes = "{}[]\",:\\ 0123456789-+.eEtrufalsn\n\x01\xc3\xa9";
       const char byte = kBytes[random.below(kBytes.size())];
       switch (random.below(3)) {
-        case 0: text[at] = byte; break;
-        case 1: text.insert(at, 1, byte); break;
-        default: text.erase(at, 1);
+        case 0:
+          text[at] = byte;
+          break;
+        case 1:
+          text.insert(at, 1, byte);
+          break;
+        default:
+          text.erase(at, 1);
       }
     }
     const Result<std::string> result = decoded(text, Encoding::kJson, golden.from_client);

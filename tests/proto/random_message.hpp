@@ -61,15 +61,21 @@ class RandomFiller {
 
   double real_in(double least, double most, double grain) {
     switch (random_.below(8)) {
-      case 0: return least;
-      case 1: return most;
-      case 2: return std::trunc(least + (most - least) * random_.uniform());
-      default: return wire::rounded(least + (most - least) * random_.uniform(), grain);
+      case 0:
+        return least;
+      case 1:
+        return most;
+      case 2:
+        return std::trunc(least + (most - least) * random_.uniform());
+      default:
+        return wire::rounded(least + (most - least) * random_.uniform(), grain);
     }
   }
   std::string text(std::size_t least, std::size_t most, bool key) {
-    static const std::vector<std::string> kPieces = {"a", "Z", "0", "-", "_", ".", " ", "\"", "\\", "/", "é", "→", "𝄞", "\u2028", "{"};
-    const std::size_t wanted = random_.below(6) == 0 ? most : least + random_.below(std::min<std::size_t>(20, most - least) + 1);
+    static const std::vector<std::string> kPieces = {"a",  "Z", "0", "-", "_", ".",      " ", "\"",
+                                                     "\\", "/", "é", "→", "𝄞", "\u2028", "{"};
+    const std::size_t wanted =
+        random_.below(6) == 0 ? most : least + random_.below(std::min<std::size_t>(20, most - least) + 1);
     std::string text;
     while (text.size() < wanted) {
       const std::string& piece = kPieces[random_.below(key || text.size() + 4 > wanted ? 6 : kPieces.size())];
@@ -78,7 +84,9 @@ class RandomFiller {
     return text;
   }
 
-  void fill(double& value, const wire::Real& kind) { value = wire::from_wire(real_in(kind.least, kind.most, kind.grain), kind); }
+  void fill(double& value, const wire::Real& kind) {
+    value = wire::from_wire(real_in(kind.least, kind.most, kind.grain), kind);
+  }
   template <typename T>
   void fill(T& value, const wire::Integer& kind) {
     const auto span = static_cast<std::uint64_t>(kind.most - kind.least);

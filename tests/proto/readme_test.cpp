@@ -15,8 +15,8 @@ using nlohmann::json;
 using Row = std::vector<std::string>;
 
 struct Section {
-  std::vector<Row> rows;           // of its first table, without head and rule
-  std::vector<std::string> blocks; // ```json
+  std::vector<Row> rows;            // of its first table, without head and rule
+  std::vector<std::string> blocks;  // ```json
 };
 
 std::string trimmed(std::string text) {
@@ -129,18 +129,21 @@ constexpr std::size_t members_of() {
 TEST(FieldTables, LeaveNoMemberOut) {
   std::map<std::string, std::size_t> fields;
   for (const FieldTable& table : all_field_tables()) fields[table.title] = table.rows.size();
-  const auto expect = [&]<typename T>(const T*) { EXPECT_EQ(fields.at(std::string(kPartName<T>)), members_of<T>()) << kPartName<T>; };
+  const auto expect = [&]<typename T>(const T*) {
+    EXPECT_EQ(fields.at(std::string(kPartName<T>)), members_of<T>()) << kPartName<T>;
+  };
   const auto expect_all = [&]<typename... T>(const std::variant<T...>*) {
     ((std::is_same_v<T, SampleBatch> ? void() : expect(static_cast<const T*>(nullptr))), ...);
   };
   expect_all(static_cast<const ClientMessage*>(nullptr));
   expect_all(static_cast<const ServerMessage*>(nullptr));
   expect_all(static_cast<const SampleBody*>(nullptr));
-  expect_all(static_cast<const std::variant<GeoPoint, Georeference, MagneticField, ScanReading, ReferencePoint, Covariance,
-                                            FloorProbability, Contributions, FusedPosition, Resume, WayPoint, FloorName, Observed>*>(
-      nullptr));
-  EXPECT_EQ(fields.at("place"), 3u);        // the point's two and the floor
-  EXPECT_EQ(fields.at("samples"), 2u);      // first_sequence besides
+  expect_all(
+      static_cast<const std::variant<GeoPoint, Georeference, MagneticField, ScanReading, ReferencePoint, Covariance,
+                                     FloorProbability, Contributions, FusedPosition, Resume, WayPoint, FloorName, Observed>*>(
+          nullptr));
+  EXPECT_EQ(fields.at("place"), 3u);                        // the point's two and the floor
+  EXPECT_EQ(fields.at("samples"), 2u);                      // first_sequence besides
   EXPECT_EQ(fields.at("reason"), members_of<Fault>() + 1);  // the name besides
 }
 

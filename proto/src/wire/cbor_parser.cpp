@@ -31,7 +31,7 @@ enum Major : unsigned { kUnsigned, kNegative, kByteString, kTextString, kArray, 
 // The head of one data item.
 struct Head {
   unsigned major = 0;
-  unsigned info = 0;           ///< the low five bits
+  unsigned info = 0;  ///< the low five bits
   std::uint64_t argument = 0;
   bool indefinite() const { return info == 31; }
 };
@@ -85,13 +85,18 @@ class CborParser {
     if (builder_.at_key() && h.major != kTextString) return malformed("a key that is not a text");
     switch (h.major) {
       case kUnsigned:
-      case kNegative: return integer(h);
+      case kNegative:
+        return integer(h);
       case kByteString:
-      case kTextString: return text(h);
+      case kTextString:
+        return text(h);
       case kArray:
-      case kMapping: return container(h);
-      case kTag: return malformed("tag " + std::to_string(h.argument) + ": this protocol has no tags");
-      default: return simple(h);
+      case kMapping:
+        return container(h);
+      case kTag:
+        return malformed("tag " + std::to_string(h.argument) + ": this protocol has no tags");
+      default:
+        return simple(h);
     }
   }
 
@@ -107,8 +112,8 @@ class CborParser {
   }
 
   bool chunk(const Head& h, std::string_view& content) {
-    if (h.argument > left()) return malformed("a text of " + std::to_string(h.argument) + " bytes, but only " +
-                                              std::to_string(left()) + " follow");
+    if (h.argument > left())
+      return malformed("a text of " + std::to_string(h.argument) + " bytes, but only " + std::to_string(left()) + " follow");
     content = frame_.substr(at_, h.argument);
     if (h.major == kTextString && !is_utf8(content)) {
       return builder_.fail(FaultCode::kBadText, builder_.at_key() ? "a key is not UTF-8" : "a text is not UTF-8");
@@ -173,14 +178,28 @@ class CborParser {
 
   bool simple(const Head& h) {
     switch (h.info) {
-      case 20: builder_.add(Kind::kFalse); return true;
-      case 21: builder_.add(Kind::kTrue); return true;
-      case 22: builder_.add(Kind::kNull); return true;
-      case 25: builder_.add_real(half_to_double(static_cast<unsigned>(h.argument))); return true;
-      case 26: builder_.add_real(std::bit_cast<float>(static_cast<std::uint32_t>(h.argument))); return true;
-      case 27: builder_.add_real(std::bit_cast<double>(h.argument)); return true;
-      case 31: return malformed("a break outside an indefinite length");
-      default: return malformed("simple value " + std::to_string(h.argument) + ": this protocol has none beyond false, true, null");
+      case 20:
+        builder_.add(Kind::kFalse);
+        return true;
+      case 21:
+        builder_.add(Kind::kTrue);
+        return true;
+      case 22:
+        builder_.add(Kind::kNull);
+        return true;
+      case 25:
+        builder_.add_real(half_to_double(static_cast<unsigned>(h.argument)));
+        return true;
+      case 26:
+        builder_.add_real(std::bit_cast<float>(static_cast<std::uint32_t>(h.argument)));
+        return true;
+      case 27:
+        builder_.add_real(std::bit_cast<double>(h.argument));
+        return true;
+      case 31:
+        return malformed("a break outside an indefinite length");
+      default:
+        return malformed("simple value " + std::to_string(h.argument) + ": this protocol has none beyond false, true, null");
     }
   }
 
@@ -191,6 +210,8 @@ class CborParser {
 
 }  // namespace
 
-Result<Tree> parse_cbor(std::string_view frame) { return CborParser(frame).run(); }
+Result<Tree> parse_cbor(std::string_view frame) {
+  return CborParser(frame).run();
+}
 
 }  // namespace wayfuse::wire

@@ -16,6 +16,8 @@ namespace wayfuse::wire {
 /// integer, others take four bytes where that loses nothing, else eight.
 class CborWriter {
  public:
+  CborWriter() { out_.reserve(768); }
+
   void begin_map() {
     maps_.push_back({out_.size(), 0});
     out_ += '\0';  // the head: written when the pairs are known, which are 23 at most

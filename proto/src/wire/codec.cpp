@@ -18,7 +18,8 @@ std::string encode_message(const Message& message, Encoding encoding) {
 template <typename Message>
 Result<Message> decode_message(std::string_view frame, Encoding encoding) {
   if (frame.size() > Limits::kMessageBytes) {
-    return Fault{FaultCode::kTooLarge, "", std::to_string(frame.size()) + " bytes, at most " + std::to_string(Limits::kMessageBytes)};
+    return Fault{FaultCode::kTooLarge, "",
+                 std::to_string(frame.size()) + " bytes, at most " + std::to_string(Limits::kMessageBytes)};
   }
   const Result<wire::Tree> tree = encoding == Encoding::kJson ? wire::parse_json(frame) : wire::parse_cbor(frame);
   if (!tree) return tree.fault();
@@ -27,7 +28,9 @@ Result<Message> decode_message(std::string_view frame, Encoding encoding) {
 
 }  // namespace
 
-std::string_view subprotocol(Encoding encoding) { return encoding == Encoding::kJson ? kSubprotocolJson : kSubprotocolCbor; }
+std::string_view subprotocol(Encoding encoding) {
+  return encoding == Encoding::kJson ? kSubprotocolJson : kSubprotocolCbor;
+}
 
 std::optional<Encoding> encoding_of(std::string_view subprotocol) {
   if (subprotocol == kSubprotocolJson) return Encoding::kJson;
@@ -35,8 +38,12 @@ std::optional<Encoding> encoding_of(std::string_view subprotocol) {
   return std::nullopt;
 }
 
-std::string encode(const ClientMessage& message, Encoding encoding) { return encode_message(message, encoding); }
-std::string encode(const ServerMessage& message, Encoding encoding) { return encode_message(message, encoding); }
+std::string encode(const ClientMessage& message, Encoding encoding) {
+  return encode_message(message, encoding);
+}
+std::string encode(const ServerMessage& message, Encoding encoding) {
+  return encode_message(message, encoding);
+}
 
 Result<ClientMessage> decode_client_message(std::string_view frame, Encoding encoding) {
   return decode_message<ClientMessage>(frame, encoding);
@@ -45,11 +52,23 @@ Result<ServerMessage> decode_server_message(std::string_view frame, Encoding enc
   return decode_message<ServerMessage>(frame, encoding);
 }
 
-Result<void> check(const MotionReport& motion, std::string_view path) { return wire::Checker(path).check(motion); }
-Result<void> check(const RssScan& scan, std::string_view path) { return wire::Checker(path).check(scan); }
-Result<void> check(const ReferencePoint& point, std::string_view path) { return wire::Checker(path).check(point); }
-Result<void> check(const GnssFix& fix, std::string_view path) { return wire::Checker(path).check(fix); }
-Result<void> check(const ClientMessage& message) { return wire::Checker("").check(message); }
-Result<void> check(const ServerMessage& message) { return wire::Checker("").check(message); }
+Result<void> check(const MotionReport& motion, std::string_view path) {
+  return wire::Checker(path).check(motion);
+}
+Result<void> check(const RssScan& scan, std::string_view path) {
+  return wire::Checker(path).check(scan);
+}
+Result<void> check(const ReferencePoint& point, std::string_view path) {
+  return wire::Checker(path).check(point);
+}
+Result<void> check(const GnssFix& fix, std::string_view path) {
+  return wire::Checker(path).check(fix);
+}
+Result<void> check(const ClientMessage& message) {
+  return wire::Checker("").check(message);
+}
+Result<void> check(const ServerMessage& message) {
+  return wire::Checker("").check(message);
+}
 
 }  // namespace wayfuse

@@ -7,15 +7,22 @@ namespace {
 
 const char* name_of(Kind kind) {
   switch (kind) {
-    case Kind::kNull: return "null";
+    case Kind::kNull:
+      return "null";
     case Kind::kFalse:
-    case Kind::kTrue: return "true or false";
+    case Kind::kTrue:
+      return "true or false";
     case Kind::kInteger:
-    case Kind::kReal: return "a number";
-    case Kind::kText: return "a text";
-    case Kind::kBytes: return "bytes";
-    case Kind::kList: return "a list";
-    case Kind::kMap: return "a map";
+    case Kind::kReal:
+      return "a number";
+    case Kind::kText:
+      return "a text";
+    case Kind::kBytes:
+      return "bytes";
+    case Kind::kList:
+      return "a list";
+    case Kind::kMap:
+      return "a map";
   }
   return "something else";
 }
@@ -105,7 +112,8 @@ void Decoder::read(std::uint32_t node, Bssid& value, Address, const Step& at) {
     if (!bssid) return trail_.fail(at, FaultCode::kBadText, quoted(found.view()) + " is no address like aa:bb:cc:dd:ee:ff");
     value = *bssid;
   } else if (found.kind == Kind::kBytes) {
-    if (found.size != 6) return trail_.fail(at, FaultCode::kOutOfRange, std::to_string(found.size) + " bytes; an address has 6");
+    if (found.size != 6)
+      return trail_.fail(at, FaultCode::kOutOfRange, std::to_string(found.size) + " bytes; an address has 6");
     value.value = 0;
     for (const char byte : found.view()) value.value = value.value << 8 | static_cast<unsigned char>(byte);
   } else {

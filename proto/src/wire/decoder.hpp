@@ -57,7 +57,8 @@ class Decoder {
     if (node == 0) return trail_.fail(step(tag), FaultCode::kMissingField, "is required");
     if (tree_.nodes[node].kind != Kind::kText) return wrong_type(node, "a text", step(tag));
     const std::string_view name = tree_.nodes[node].view();
-    const bool known = ((name == kWireName<Alternatives> && (describe(*this, variant.template emplace<Alternatives>()), true)) || ...);
+    const bool known =
+        ((name == kWireName<Alternatives> && (describe(*this, variant.template emplace<Alternatives>()), true)) || ...);
     if (known) return;
     std::string cause = quoted(name) + " is none of";
     ((cause.append(" ").append(kWireName<Alternatives>)), ...);
@@ -75,7 +76,7 @@ class Decoder {
     std::uint32_t map = 0;
     std::uint32_t next = 0;
     std::uint32_t end = 0;
-    std::uint32_t left = 0;   ///< pairs no field has asked for yet; a table asks for each name once
+    std::uint32_t left = 0;  ///< pairs no field has asked for yet; a table asks for each name once
   };
 
   Step step(std::string_view name) const { return Step{scope_.step, name}; }
@@ -102,7 +103,9 @@ class Decoder {
   bool whole(std::uint32_t node, std::int64_t& value, const Integer& kind, const Step& at);
   void read(std::uint32_t node, bool& value, Flag, const Step& at);
   void read(std::uint32_t node, std::string& value, const Text& kind, const Step& at);
-  void read(std::uint32_t node, std::string& value, const Cause& kind, const Step& at) { read(node, value, Text{0, kind.most}, at); }
+  void read(std::uint32_t node, std::string& value, const Cause& kind, const Step& at) {
+    read(node, value, Text{0, kind.most}, at);
+  }
   void read(std::uint32_t node, std::string& value, const Bytes& kind, const Step& at);
   void read(std::uint32_t node, Bssid& value, Address, const Step& at);
   std::ptrdiff_t choice(std::uint32_t node, const Choice& kind, const Step& at);

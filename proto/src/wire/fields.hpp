@@ -43,12 +43,11 @@ inline constexpr std::array<std::string_view, 2> kTransitionNames = {"entered", 
 /// The alternative's name in a tagged map: `type` of messages, `kind` of samples.
 template <typename T>
 inline constexpr std::string_view kWireName = "";
-template <>
-inline constexpr std::string_view kWireName<MotionReport> = "motion";
-template <>
-inline constexpr std::string_view kWireName<RssScan> = "scan";
-template <>
-inline constexpr std::string_view kWireName<GnssFix> = "gnss";
+// clang-format off
+template <> inline constexpr std::string_view kWireName<MotionReport> = "motion";
+template <> inline constexpr std::string_view kWireName<RssScan> = "scan";
+template <> inline constexpr std::string_view kWireName<GnssFix> = "gnss";
+// clang-format on
 
 template <typename V, Of<Place> S>
 void describe(V& v, S& place) {

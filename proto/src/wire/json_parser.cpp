@@ -12,7 +12,9 @@
 namespace wayfuse::wire {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 int hex_digit(char c) {
   if (is_digit(c)) return c - '0';
@@ -64,7 +66,8 @@ double slow_number(const char* begin, const char* end) {
   if (at != end) {
     const bool down = at[1] == '-';
     long written = 0;
-    for (at += at[1] == '-' || at[1] == '+' ? 2 : 1; at != end && written < 1'000'000; ++at) written = written * 10 + (*at - '0');
+    for (at += at[1] == '-' || at[1] == '+' ? 2 : 1; at != end && written < 1'000'000; ++at)
+      written = written * 10 + (*at - '0');
     exponent += down ? -written : written;
   }
   if (!significant || exponent < 0) return 0.0;
@@ -75,7 +78,10 @@ double slow_number(const char* begin, const char* end) {
 class JsonParser {
  public:
   explicit JsonParser(std::string_view frame)
-      : begin_(frame.data()), at_(frame.data()), end_(frame.data() + frame.size()), builder_(frame, frame.size() / 2 + Limits::kDepth + 1) {}
+      : begin_(frame.data()),
+        at_(frame.data()),
+        end_(frame.data() + frame.size()),
+        builder_(frame, frame.size() / 2 + Limits::kDepth + 1) {}
 
   Result<Tree> run() { return builder_.finish(document()); }
 
@@ -102,18 +108,26 @@ class JsonParser {
   bool value() {
     if (at_ == end_) return unexpected("a value");
     switch (*at_) {
-      case '{': return map();
-      case '[': return list();
-      case '"': return text(false);
-      case 't': return word("true", Kind::kTrue);
-      case 'f': return word("false", Kind::kFalse);
-      case 'n': return word("null", Kind::kNull);
-      default: return *at_ == '-' || is_digit(*at_) ? number() : unexpected("a value");
+      case '{':
+        return map();
+      case '[':
+        return list();
+      case '"':
+        return text(false);
+      case 't':
+        return word("true", Kind::kTrue);
+      case 'f':
+        return word("false", Kind::kFalse);
+      case 'n':
+        return word("null", Kind::kNull);
+      default:
+        return *at_ == '-' || is_digit(*at_) ? number() : unexpected("a value");
     }
   }
 
   bool word(std::string_view word, Kind kind) {
-    if (std::string_view(at_, static_cast<std::size_t>(end_ - at_)).substr(0, word.size()) != word) return unexpected("a value");
+    if (std::string_view(at_, static_cast<std::size_t>(end_ - at_)).substr(0, word.size()) != word)
+      return unexpected("a value");
     at_ += word.size();
     builder_.add(kind);
     return true;
@@ -175,7 +189,8 @@ class JsonParser {
     const bool escaped = *at_ == '\\';
     if (escaped && !unescape(start, what, content)) return false;
     ++at_;
-    if ((escaped || !ascii) && !is_utf8(content)) return builder_.fail(FaultCode::kBadText, std::string(what) + " is not UTF-8");
+    if ((escaped || !ascii) && !is_utf8(content))
+      return builder_.fail(FaultCode::kBadText, std::string(what) + " is not UTF-8");
     if (is_key) {
       builder_.add_key(content);
     } else {
@@ -196,8 +211,8 @@ class JsonParser {
         const std::uint64_t quote = eight ^ (kOnes * '"');
         const std::uint64_t backslash = eight ^ (kOnes * '\\');
         // The high bit of the first byte that is zero, zero, or below 0x20; bytes above it may be wrong and do not matter.
-        const std::uint64_t special = (((quote - kOnes) & ~quote) | ((backslash - kOnes) & ~backslash) |
-                                       ((eight - kOnes * 0x20) & ~eight)) & kHighs;
+        const std::uint64_t special =
+            (((quote - kOnes) & ~quote) | ((backslash - kOnes) & ~backslash) | ((eight - kOnes * 0x20) & ~eight)) & kHighs;
         seen |= eight;
         if (special != 0) {
           at_ += std::countr_zero(special) / 8;
@@ -217,7 +232,8 @@ class JsonParser {
     const char* closing = at_;
     while (closing != end_ && *closing != '"') closing += *closing == '\\' && closing + 1 != end_ ? 2 : 1;
     if (closing == end_) return malformed(std::string("the message ends inside ") + what);
-    char* const memory = builder_.claim(static_cast<std::size_t>(closing - start));  // an escape is never shorter than what it means
+    char* const memory =
+        builder_.claim(static_cast<std::size_t>(closing - start));  // an escape is never shorter than what it means
     char* out = std::copy(start, at_, memory);
     while (*at_ != '"') {
       if (static_cast<unsigned char>(*at_) < 0x20) return malformed(std::string("a bare control character inside ") + what);
@@ -318,6 +334,8 @@ class JsonParser {
 
 }  // namespace
 
-Result<Tree> parse_json(std::string_view frame) { return JsonParser(frame).run(); }
+Result<Tree> parse_json(std::string_view frame) {
+  return JsonParser(frame).run();
+}
 
 }  // namespace wayfuse::wire

@@ -12,6 +12,8 @@ namespace wayfuse::wire {
 /// Spells values as JSON without blanks. Precondition: texts are UTF-8, numbers finite.
 class JsonWriter {
  public:
+  JsonWriter() { out_.reserve(1024); }  // a batch of a second or two
+
   void begin_map() { begin('{'); }
   void end_map() { end('}'); }
   void begin_list(std::size_t) { begin('['); }

@@ -106,17 +106,29 @@ inline double rounded(double value, double grain) {
   const double scaled = value * grain;
   return std::fabs(scaled) < 9e15 ? std::nearbyint(scaled) / grain : value;
 }
-inline double to_wire(double value, const Real& kind) { return rounded(value * kind.scale, kind.grain); }
-inline double from_wire(double wire, const Real& kind) { return wire / kind.scale; }
+inline double to_wire(double value, const Real& kind) {
+  return rounded(value * kind.scale, kind.grain);
+}
+inline double from_wire(double wire, const Real& kind) {
+  return wire / kind.scale;
+}
 
 inline double azimuth_deg(double azimuth_rad) {
   const double degrees = rounded(azimuth_rad * kDegreesPerRadian, 1e6);
   return degrees >= 360.0 ? degrees - 360.0 : degrees;
 }
-inline double to_wire(const Heading& heading, Compass) { return azimuth_deg(heading.azimuth_rad()); }
-inline double to_wire(double azimuth_rad, Compass) { return azimuth_deg(azimuth_rad); }
-inline void from_wire(double degrees, Heading& heading) { heading = Heading::from_azimuth(degrees / kDegreesPerRadian); }
-inline void from_wire(double degrees, double& azimuth_rad) { azimuth_rad = degrees / kDegreesPerRadian; }
+inline double to_wire(const Heading& heading, Compass) {
+  return azimuth_deg(heading.azimuth_rad());
+}
+inline double to_wire(double azimuth_rad, Compass) {
+  return azimuth_deg(azimuth_rad);
+}
+inline void from_wire(double degrees, Heading& heading) {
+  heading = Heading::from_azimuth(degrees / kDegreesPerRadian);
+}
+inline void from_wire(double degrees, double& azimuth_rad) {
+  azimuth_rad = degrees / kDegreesPerRadian;
+}
 
 // ---------------------------------------------------------------- gates: the same for what was decoded and what is to be sent
 

@@ -7,6 +7,7 @@
 /// The field tables of the messages; see fields.hpp.
 namespace wayfuse::wire {
 
+// clang-format off
 template <> inline constexpr std::string_view kWireName<Hello> = "hello";
 template <> inline constexpr std::string_view kWireName<SampleBatch> = "samples";
 template <> inline constexpr std::string_view kWireName<SurveyBatch> = "survey";
@@ -28,6 +29,7 @@ template <> inline constexpr std::string_view kWireName<ScanHint> = "scan_hint";
 template <> inline constexpr std::string_view kWireName<Ticket> = "ticket";
 template <> inline constexpr std::string_view kWireName<FaultReport> = "fault";
 template <> inline constexpr std::string_view kWireName<GoAway> = "go_away";
+// clang-format on
 
 // ---------------------------------------------------------------- client -> server
 
@@ -97,7 +99,8 @@ void describe(V& v, S& walk) {
   v.required("scans", walk.scans, List{0, Limits::kScansPerWalkPart, Object{}});
   constexpr const char* kOrder = "the times go backwards";
   v.expect("marks", FaultCode::kOutOfRange, kOrder, [&] { return std::ranges::is_sorted(walk.marks, {}, &WayPoint::time); });
-  v.expect("motion", FaultCode::kOutOfRange, kOrder, [&] { return std::ranges::is_sorted(walk.motion, {}, &MotionReport::time); });
+  v.expect("motion", FaultCode::kOutOfRange, kOrder,
+           [&] { return std::ranges::is_sorted(walk.motion, {}, &MotionReport::time); });
   v.expect("scans", FaultCode::kOutOfRange, kOrder, [&] { return std::ranges::is_sorted(walk.scans, {}, &RssScan::time); });
 }
 

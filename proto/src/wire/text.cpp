@@ -16,12 +16,15 @@ constexpr std::uint8_t kNoDigit = 64;
 constexpr std::array<std::uint8_t, 256> base64_digits() {
   std::array<std::uint8_t, 256> digits{};
   digits.fill(kNoDigit);
-  for (std::size_t i = 0; i < kBase64.size(); ++i) digits[static_cast<unsigned char>(kBase64[i])] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < kBase64.size(); ++i)
+    digits[static_cast<unsigned char>(kBase64[i])] = static_cast<std::uint8_t>(i);
   return digits;
 }
 constexpr std::array<std::uint8_t, 256> kBase64Digits = base64_digits();
 
-unsigned byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
+unsigned byte_at(std::string_view text, std::size_t i) {
+  return static_cast<unsigned char>(text[i]);
+}
 
 // Length of the well-formed character at `i`, 0 if there is none.
 std::size_t character_length(std::string_view text, std::size_t i) {
@@ -102,8 +105,8 @@ std::string to_base64(std::string_view bytes) {
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    const unsigned bits = byte_at(bytes, i) << 16 | (left > 1 ? byte_at(bytes, i + 1) << 8 : 0u) |
-                          (left > 2 ? byte_at(bytes, i + 2) : 0u);
+    const unsigned bits =
+        byte_at(bytes, i) << 16 | (left > 1 ? byte_at(bytes, i + 1) << 8 : 0u) | (left > 2 ? byte_at(bytes, i + 2) : 0u);
     text += kBase64[bits >> 18];
     text += kBase64[bits >> 12 & 63u];
     text += left > 1 ? kBase64[bits >> 6 & 63u] : '=';

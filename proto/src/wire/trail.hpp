@@ -13,8 +13,8 @@ namespace wayfuse::wire {
 /// One step of the way into a message.
 struct Step {
   const Step* outer = nullptr;
-  std::string_view name;           ///< empty = the message itself
-  std::ptrdiff_t index = -1;       ///< of an element; -1 = the field as a whole
+  std::string_view name;      ///< empty = the message itself
+  std::ptrdiff_t index = -1;  ///< of an element; -1 = the field as a whole
 };
 
 /// The way of a visitor into a message, and the first fault met on it. After a fault every further visit does nothing.

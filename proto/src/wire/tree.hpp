@@ -14,12 +14,12 @@ enum class Kind : std::uint8_t { kNull, kFalse, kTrue, kInteger, kReal, kText, k
 /// One value of a parsed frame. A container is followed by its members; a map's members are key (kText) and value in turn.
 struct Node {
   Kind kind;
-  std::uint32_t size;      ///< bytes of a text, elements of a list, pairs of a map
+  std::uint32_t size;  ///< bytes of a text, elements of a list, pairs of a map
   union {
     std::int64_t integer;
-    double real;           ///< also integers beyond 64 bits; infinite where the text overflows a double
-    const char* text;      ///< into the frame, or into the tree's own memory where the text had escapes
-    std::uint32_t end;     ///< of a container: index of the first node after its members
+    double real;        ///< also integers beyond 64 bits; infinite where the text overflows a double
+    const char* text;   ///< into the frame, or into the tree's own memory where the text had escapes
+    std::uint32_t end;  ///< of a container: index of the first node after its members
   };
 
   std::string_view view() const { return {text, size}; }

@@ -54,10 +54,10 @@ class TreeBuilder {
   /// A container not yet closed; the outermost is the frame itself.
   struct Open {
     Kind kind = Kind::kList;
-    bool keys_alike = false;      ///< two keys have the same signature: they must be compared
+    bool keys_alike = false;  ///< two keys have the same signature: they must be compared
     std::uint32_t node = 0;
     std::uint32_t members = 0;
-    std::uint64_t marks = 0;      ///< signatures of the keys so far
+    std::uint64_t marks = 0;  ///< signatures of the keys so far
   };
 
   Node& next(Kind kind) {
