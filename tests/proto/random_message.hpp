@@ -56,7 +56,7 @@ class RandomFiller {
  private:
   template <typename Variant, std::size_t... I>
   void emplace(Variant& variant, std::size_t index, std::index_sequence<I...>) {
-    ((I == index && (wire::describe(*this, variant.template emplace<I>()), true)) || ...);
+    static_cast<void>(((I == index && (wire::describe(*this, variant.template emplace<I>()), true)) || ...));
   }
 
   double real_in(double least, double most, double grain) {

@@ -115,7 +115,7 @@ TEST(ProtoReadme, EveryExampleIsAMessage) {
 // Members of an aggregate, by trying how many initialisers it takes: a member without a field would be lost on the wire.
 struct Anything {
   template <typename T>
-  operator T() const;  // never defined: only its type is looked at
+  operator T() const { return T{}; }  // never called: only its type is looked at
 };
 template <typename T, typename... Given>
 constexpr std::size_t members_of() {
