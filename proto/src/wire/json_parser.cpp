@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <locale>
+#include <sstream>
 #include <string>
 
 #include "proto/src/wire/text.hpp"
@@ -43,12 +45,22 @@ char* append_utf8(char* out, unsigned code) {
   return out;
 }
 
+// Correctly rounded; false = beyond a double, on either side.
+bool read_double(const char* begin, const char* end, double& value) {
+#ifdef __cpp_lib_to_chars
+  return std::from_chars(begin, end, value).ec == std::errc{};
+#else  // libc++ before 20, as in Android's toolchain
+  std::istringstream text(std::string(begin, end));
+  text.imbue(std::locale::classic());
+  return static_cast<bool>(text >> value) && value != 0.0;
+#endif
+}
+
 // What a number's text means beyond the fast path: correctly rounded, infinite beyond a double, 0 below its least.
 double slow_number(const char* begin, const char* end) {
   double value = 0.0;
-  const auto [_, error] = std::from_chars(begin, end, value);
-  if (error == std::errc{}) return value;
-  // Out of range, and from_chars does not say on which side: look where the first significant digit stands.
+  if (read_double(begin, end, value)) return value;
+  // Out of range: look where the first significant digit stands, to see on which side.
   const bool negative = *begin == '-';
   long exponent = 0;
   bool significant = false;
