@@ -12,10 +12,10 @@ namespace {
 
 MotionTracker tracker() { return std::move(MotionTracker::create({})).value(); }
 
-// A walker who bobs with 2 steps a second: vertical acceleration of amplitude 2.5 m/s2 on top of gravity.
+// A walker who bobs with 2 steps a second: vertical acceleration of amplitude 4 m/s2 on top of gravity.
 MargSample walking(double time_s, Quaternion body_to_enu, double steps_per_s = 2.0) {
   MargSample sample = sense(time_s, body_to_enu);
-  const double bob = 2.5 * std::sin(2 * std::numbers::pi * steps_per_s * time_s);
+  const double bob = 4.0 * std::sin(2 * std::numbers::pi * steps_per_s * time_s);
   sample.acceleration_mps2 = unrotate(body_to_enu, {0, 0, 9.81 + bob});
   return sample;
 }
@@ -137,9 +137,92 @@ TEST(MotionTracker, AfterALongSilenceItsReportsStayWithinTheLimits) {
 }
 
 TEST(MotionTracker, RefusesSettingsThatMeanNothing) {
-  EXPECT_EQ(MotionTracker::create({.heading_estimator = "none"}).fault().code, FaultCode::kUnknownName);
-  EXPECT_EQ(MotionTracker::create({.report_interval = Duration{0}}).fault().field, "report_interval");
-  for (const std::string& name : heading_estimator_names()) EXPECT_TRUE(MotionTracker::create({.heading_estimator = name}));
+  MotionTrackerSettings settings;
+  settings.heading_estimator = "none";
+  EXPECT_EQ(MotionTracker::create(settings).fault().code, FaultCode::kUnknownName);
+  settings = {};
+  settings.report_interval = Duration{0};
+  EXPECT_EQ(MotionTracker::create(settings).fault().field, "report_interval");
+  settings = {};
+  settings.calibration = MotionCalibration{};
+  settings.calibration->step_scale = 3.0;
+  EXPECT_EQ(MotionTracker::create(settings).fault().field, "calibration.step_scale");
+  for (const std::string& name : heading_estimator_names()) {
+    settings = {};
+    settings.heading_estimator = name;
+    EXPECT_TRUE(MotionTracker::create(settings));
+  }
+}
+
+// Fused positions 10 % further apart than the reckoned ones, every three seconds along a straight walk.
+TEST(MotionTracker, FusedPositionsTeachTheLengthOfThisWalkersSteps) {
+  MotionTracker phone = tracker();
+  double reckoned_m = 0.0, before_m = 0.0, after_m = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const Total total = walk(phone, k * 3.0, (k + 1) * 3.0, held(90));
+    // What the unscaled model would have said: the truth is 1.1 times that.
+    reckoned_m += total.metres / phone.calibration().step_scale;
+    if (k == 3) before_m = total.metres / total.steps;
+    after_m = total.metres / std::max(1, total.steps);
+    FusedPosition fused;
+    fused.place.point = {1.1 * reckoned_m, 0.0};
+    fused.covariance = {1.0, 0.0, 1.0};
+    phone.taught(fused);
+  }
+  EXPECT_NEAR(after_m / before_m, 1.1, 0.04);
+  EXPECT_LT(phone.calibration().step_scale_sigma, 0.06);
+
+  MotionTrackerSettings settings;
+  settings.calibration = phone.calibration();
+  MotionTracker next = std::move(MotionTracker::create(settings)).value();
+  const Total total = walk(next, 0.0, 10.0, held(90));
+  EXPECT_NEAR(total.metres / total.steps / before_m, 1.1, 0.05);
+}
+
+TEST(MotionTracker, KnowsTheWalk) {
+  MotionTracker phone = tracker();
+  EXPECT_FALSE(phone.walk().walking);
+  walk(phone, 0.0, 20.0, held(90, 30));
+  const WalkState state = phone.walk();
+  EXPECT_TRUE(state.walking);
+  EXPECT_GT(state.confidence, 0.7);
+  EXPECT_NEAR(state.cadence_hz, 2.0, 0.05);
+  EXPECT_NEAR(state.speed_mps, state.cadence_hz * state.step_length_m, 1e-9);
+  EXPECT_GT(state.speed_sigma_mps, 0.0);
+  EXPECT_EQ(state.carrying, Carrying::kHeld);
+  EXPECT_NEAR(static_cast<double>(state.steps), 40, 2);
+}
+
+TEST(MotionTracker, ALiftIsNoStaircase) {
+  for (const bool on_foot : {false, true}) {
+    MotionTracker phone = tracker();
+    for (int i = 0; i < 1500; ++i) {
+      MargSample sample = on_foot ? walking(i * 0.02, held(0)) : sense(i * 0.02, held(0));
+      sample.pressure_hpa = 1000.0 - std::max(0, i - 700) * 0.02 * 0.05;  // 0.4 m/s up
+      phone.feed(sample);
+    }
+    EXPECT_EQ(phone.walk().climbing, on_foot ? Climbing::kStairs : Climbing::kLift);
+  }
+}
+
+// A phone in a front pocket, upside down and turned sideways, on a walk to the north: its owner's gait tells the way.
+TEST(MotionTracker, InAPocketTheGaitTellsTheDirection) {
+  MotionTracker phone = tracker();
+  std::optional<MotionReport> last;
+  for (int i = 0; i < 1500; ++i) {
+    const double t = i * 0.02, phase = 2 * std::numbers::pi * 2.0 * t;
+    const Quaternion attitude = held(250, -70 + 25 * std::sin(phase / 2), 30);
+    const Quaternion later = held(250, -70 + 25 * std::sin((phase + 2 * std::numbers::pi * 2.0 * 0.001) / 2), 30);
+    const Quaternion d = conjugate(attitude) * later;
+    MargSample sample = sense(t, attitude, Vector3{d.x, d.y, d.z} * (2.0 / 0.001));
+    // Inverted pendulum: forward acceleration leads the vertical one by a quarter of a step.
+    sample.acceleration_mps2 = unrotate(attitude, {0.0, 1.5 * std::cos(phase), 9.81 + 4.0 * std::sin(phase)});
+    if (const auto report = phone.feed(sample)) last = report;
+  }
+  ASSERT_TRUE(last);
+  EXPECT_EQ(phone.walk().carrying, Carrying::kPocket);
+  EXPECT_LT(std::abs(last->heading.minus(Heading::from_azimuth(0.0))), 15 * kDegree);
+  EXPECT_GT(last->heading_sigma_rad, 0.4);
 }
 
 }  // namespace

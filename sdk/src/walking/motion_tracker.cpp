@@ -7,7 +7,9 @@
 
 #include "sdk/src/attitude/catalogue.hpp"
 #include "sdk/src/attitude/sample_gate.hpp"
-#include "sdk/src/walking/step_detector.hpp"
+#include "sdk/src/walking/climb.hpp"
+#include "sdk/src/walking/step_length.hpp"
+#include "sdk/src/walking/walk_detector.hpp"
 #include "sdk/src/walking/walking_direction.hpp"
 
 namespace wayfuse {
@@ -16,81 +18,98 @@ namespace {
 constexpr double kRestAfterS = 1.5;           // without a step and without shaking
 constexpr double kRestDeviation = 0.35;       // m/s2, smoothed mean of | |a| - mean |
 constexpr double kTurningRadps = 0.35;        // mean over the interval, 20 degrees a second
-constexpr double kStepSigma = 0.12;           // of a step's length
 constexpr double kStandingSigmaM = 0.1;       // of an interval without steps
+constexpr double kGapS = 1.0;
 
 }  // namespace
 
 struct MotionTracker::State {
   Duration report_interval;
   std::unique_ptr<HeadingEstimator> heading;
-  StepDetector steps;
   SampleGate gate;
+  WalkDetector steps;
+  StepLengthSettings length_settings;
+  StepLength length;
+  WalkingDirectionSettings direction_settings;
+  WalkingDirection direction;
+  Climb climb;
   double mean_mps2 = 9.81, deviation_mps2 = 1.0;
   std::optional<PhoneTime> reported, last_step;
-  double turned_rad = 0.0;
-  std::optional<PhoneTime> turned_until;
+  double turned_rad = 0.0;       // since the last report
+  double turned_walk_rad = 0.0;  // since the last acceleration
   std::optional<Vector3> field;
-  std::optional<double> height_m, reported_height_m;
+  std::uint64_t step_count = 0;
+  double newest_length_m = 0.0;
 
-  void watch_turn(const MargSample& sample, const Attitude& attitude);
-  void watch_height(const MargSample& sample);
-  std::optional<Step> watch_steps(const MargSample& sample);
-  MotionReport report(PhoneTime time, const Attitude& attitude, const std::optional<Step>& step);
+  void watch_turn(const SampleGate::Passed& rate, const Attitude& attitude);
+  StepBatch watch_steps(PhoneTime time, const SampleGate::Passed& acceleration, const std::optional<Attitude>& attitude);
+  bool resting(PhoneTime time) const;
+  void add_steps(const StepBatch& batch, MotionReport& report);
+  MotionReport report(PhoneTime time, const Attitude& attitude, const StepBatch& batch);
 };
 
-void MotionTracker::State::watch_turn(const MargSample& sample, const Attitude& attitude) {
-  if (!sample.turn_rate_radps) return;
-  const double dt_s = turned_until ? seconds(sample.time - *turned_until) : 0.0;
-  if (dt_s > 0.0 && dt_s < 1.0) turned_rad += rotate(attitude.body_to_enu, attitude.turn_rate_radps).z * dt_s;
-  turned_until = sample.time;
+bool MotionTracker::State::resting(PhoneTime time) const {
+  return !steps.walking() && deviation_mps2 < kRestDeviation && (!last_step || seconds(time - *last_step) > kRestAfterS);
 }
 
-// International barometric formula about sea level: 8.4 m a hPa is enough for differences.
-void MotionTracker::State::watch_height(const MargSample& sample) {
-  if (!sample.pressure_hpa || !std::isfinite(*sample.pressure_hpa)) return;
-  if (*sample.pressure_hpa < 300.0 || *sample.pressure_hpa > 1100.0) return;
-  const double measured_m = 44330.0 * (1.0 - std::pow(*sample.pressure_hpa / 1013.25, 0.1903));
-  height_m = height_m ? *height_m + 0.1 * (measured_m - *height_m) : measured_m;
-  if (!reported_height_m) reported_height_m = height_m;
+void MotionTracker::State::watch_turn(const SampleGate::Passed& rate, const Attitude& attitude) {
+  if (rate.dt_s > kGapS) return;
+  const double turn = rotate(attitude.body_to_level, attitude.turn_rate_radps).z * rate.dt_s;
+  turned_rad += turn;
+  turned_walk_rad += turn;
+  direction.carry(direction_settings, attitude.turn_rate_radps, unrotate(attitude.body_to_level, {0, 0, 1}), rate.dt_s,
+                  resting(attitude.time));
 }
 
-std::optional<Step> MotionTracker::State::watch_steps(const MargSample& sample) {
-  const auto acceleration = gate.acceleration(sample);
-  if (!acceleration) return std::nullopt;
-  const double length = norm(acceleration->value);
-  const double gain = std::min(1.0, acceleration->dt_s / 0.7);
-  mean_mps2 += gain * (length - mean_mps2);
-  deviation_mps2 += gain * (std::abs(length - mean_mps2) - deviation_mps2);
-  return steps.feed(sample.time, length);
+StepBatch MotionTracker::State::watch_steps(PhoneTime time, const SampleGate::Passed& acceleration,
+                                            const std::optional<Attitude>& attitude) {
+  const double total = norm(acceleration.value);
+  const double gain = std::min(1.0, acceleration.dt_s / 0.7);
+  mean_mps2 += gain * (total - mean_mps2);
+  deviation_mps2 += gain * (std::abs(total - mean_mps2) - deviation_mps2);
+  const StepBatch batch = steps.feed(time, acceleration.value);
+  if (attitude) {
+    direction.feed(direction_settings, rotate(attitude->body_to_level, acceleration.value), turned_walk_rad, acceleration.dt_s,
+                   steps.walking());
+  }
+  turned_walk_rad = 0.0;
+  return batch;
 }
 
-MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitude, const std::optional<Step>& step) {
+void MotionTracker::State::add_steps(const StepBatch& batch, MotionReport& report) {
+  double total = 0.0;
+  for (int i = 0; i < batch.count; ++i) total += newest_length_m = length.take(length_settings, batch.steps[i]);
+  length.walked(total, total * report.heading.cos(), total * report.heading.sin());
+  step_count += static_cast<std::uint64_t>(batch.count);
+  last_step = batch.steps[batch.count - 1].time;
+  report.steps = static_cast<std::uint16_t>(batch.count);
+  report.step_length_m = total / batch.count;
+  // The walker's own scale errs the same way at every step; the rest does not.
+  report.distance_sigma_m = total * std::hypot(length.scale_sigma, length_settings.relative_sigma_step / std::sqrt(double(batch.count)));
+}
+
+MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitude, const StepBatch& batch) {
   MotionReport report;
+  const double swing = steps.gait().features.swing_mps2;
   report.time = time;
   report.interval = reported ? time - *reported : Duration{0};
-  report.heading = facing_of(attitude.body_to_enu);
-  report.heading_sigma_rad = std::clamp(attitude.heading_sigma_rad, 0.0, std::numbers::pi);
+  report.heading = direction.direction(direction_settings, attitude, swing);
+  report.heading_sigma_rad = direction.sigma_rad(direction_settings, attitude, swing);
   report.reference = attitude.reference;
   const double interval_s = seconds(report.interval);
   report.turn_rate_radps = interval_s > 0.0 ? std::clamp(turned_rad / interval_s, -35.0, 35.0) : 0.0;
   report.turning = std::abs(report.turn_rate_radps) > kTurningRadps;
   report.distance_sigma_m = kStandingSigmaM;
-  if (step) {
-    report.steps = 1;
-    report.step_length_m = weinberg_step_length_m(step->swing_mps2);
-    report.distance_sigma_m = kStepSigma * report.step_length_m;
-  }
-  report.at_rest = !step && deviation_mps2 < kRestDeviation && (!last_step || seconds(time - *last_step) > kRestAfterS);
+  report.at_rest = batch.count == 0 && resting(time);
+  if (batch.count > 0) add_steps(batch, report);
   if (report.at_rest) report.distance_sigma_m = 0.02;
-  if (height_m) report.climb_m = *height_m - *reported_height_m;
+  report.climb_m = climb.take();
   if (field) {
     const Vector3 enu = rotate(attitude.body_to_enu, *field);
     report.field_horizontal_ut = std::hypot(enu.x, enu.y);
     report.field_vertical_ut = -enu.z;
   }
   reported = time;
-  reported_height_m = height_m;
   turned_rad = 0.0;
   return report;
 }
@@ -104,6 +123,14 @@ Result<MotionTracker> MotionTracker::create(const MotionTrackerSettings& setting
   auto state = std::make_unique<State>();
   state->report_interval = settings.report_interval;
   state->heading = std::move(heading).value();
+  if (const auto& known = settings.calibration) {
+    if (!(known->step_scale >= 0.7 && known->step_scale <= 1.4)) {
+      return Fault{FaultCode::kOutOfRange, "calibration.step_scale", std::to_string(known->step_scale) + " is outside 0.7..1.4"};
+    }
+    state->heading->start_with(known->sensors);
+    state->length.scale = known->step_scale;
+    state->length.scale_sigma = std::clamp(known->step_scale_sigma, 0.02, 0.10);
+  }
   return MotionTracker(std::move(state));
 }
 
@@ -115,22 +142,54 @@ MotionTracker::~MotionTracker() = default;
 std::optional<MotionReport> MotionTracker::feed(const MargSample& sample) {
   State& s = *state_;
   s.heading->feed(sample);
-  s.watch_height(sample);
-  const std::optional<Step> step = s.watch_steps(sample);
-  if (const auto field = s.gate.field(sample)) s.field = field->value;
   const std::optional<Attitude> attitude = s.heading->attitude();
+  if (const auto rate = s.gate.turn_rate(sample); rate && attitude) s.watch_turn(*rate, *attitude);
+  StepBatch batch;
+  if (const auto acceleration = s.gate.acceleration(sample)) batch = s.watch_steps(sample.time, *acceleration, attitude);
+  if (const auto field = s.gate.field(sample)) s.field = field->value;
+  s.climb.feed(sample, s.steps.walking());
   if (!attitude) return std::nullopt;
-  s.watch_turn(sample, *attitude);
-  if (step) s.last_step = sample.time;
   if (s.reported && sample.time <= *s.reported) return std::nullopt;  // out of order: its content is used, its time is past
   // A silence longer than a report may cover is not walking time: begin a new interval after it.
   if (s.reported && sample.time - *s.reported > std::chrono::seconds(60)) s.reported = sample.time - s.report_interval;
-  if (!step && s.reported && sample.time - *s.reported < s.report_interval) return std::nullopt;
-  return s.report(sample.time, *attitude, step);
+  if (batch.count == 0 && s.reported && sample.time - *s.reported < s.report_interval) return std::nullopt;
+  return s.report(sample.time, *attitude, batch);
 }
 
 std::optional<Attitude> MotionTracker::attitude() const { return state_->heading->attitude(); }
 void MotionTracker::expect(const MagneticField& field) { state_->heading->expect(field); }
+
+WalkState MotionTracker::walk() const {
+  const State& s = *state_;
+  WalkState walk;
+  walk.walking = s.steps.walking();
+  walk.confidence = 1.0 / (1.0 + std::exp(-s.steps.gait().log_odds));
+  walk.steps = s.step_count;
+  walk.last_step = s.last_step;
+  walk.step_length_m = s.newest_length_m;
+  if (walk.walking) {
+    walk.cadence_hz = s.length.cadence_hz;
+    walk.speed_mps = walk.cadence_hz * s.newest_length_m;
+    walk.speed_sigma_mps = walk.speed_mps * std::hypot(s.length.scale_sigma, s.length_settings.relative_sigma_step);
+  }
+  walk.carrying = s.direction.carrying;
+  walk.climbing = s.climb.climbing();
+  return walk;
+}
+
+void MotionTracker::taught(const FusedPosition& position) {
+  const Covariance& c = position.covariance;
+  const double sigma_m = std::sqrt(std::max(0.0, 0.5 * (c.xx_m2 + c.yy_m2)));
+  state_->length.taught(state_->length_settings, position.place.point, sigma_m);
+}
+
+MotionCalibration MotionTracker::calibration() const {
+  MotionCalibration known;
+  known.sensors = state_->heading->calibration().value_or(SensorCalibration{});
+  known.step_scale = state_->length.scale;
+  known.step_scale_sigma = state_->length.scale_sigma;
+  return known;
+}
 
 std::vector<std::string> heading_estimator_names() {
   std::vector<std::string> names;

@@ -37,20 +37,23 @@ std::optional<Step> StepDetector::feed(PhoneTime time, double acceleration_mps2)
     peak_time_ = time;
   }
   const double swing = peak_ - valley_;
-  if (peak_ - value < 0.5 * std::max(swing, settings_.least_swing_mps2)) return std::nullopt;
+  if (peak_ - value < settings_.fall * std::clamp(swing, settings_.least_swing_mps2, 1.5 * typical_swing_)) return std::nullopt;
   rising_ = false;
   const double valley = valley_;
   valley_ = value;
   if (swing < settings_.least_swing_mps2) return std::nullopt;
   const double interval_s = walked_ ? seconds(peak_time_ - last_step_) : settings_.most_interval_s + 1.0;
-  if (interval_s < settings_.least_interval_s) return std::nullopt;
+  if (interval_s < std::max(settings_.least_interval_s, settings_.least_share * typical_interval_s_)) return std::nullopt;
+  if (interval_s < 1.2) {
+    typical_interval_s_ += 0.2 * (interval_s - typical_interval_s_);
+    typical_swing_ += 0.2 * (swing - typical_swing_);
+  } else {  // a new walk: forget the old one's measure
+    typical_interval_s_ = settings_.least_interval_s;
+    typical_swing_ = swing;
+  }
   walked_ = true;
   last_step_ = peak_time_;
   return Step{peak_time_, interval_s > settings_.most_interval_s ? 0.0 : interval_s, peak_ - valley};
-}
-
-double weinberg_step_length_m(double swing_mps2, double k) {
-  return std::clamp(k * std::sqrt(std::sqrt(std::max(0.0, swing_mps2))), 0.2, 1.3);
 }
 
 }  // namespace wayfuse

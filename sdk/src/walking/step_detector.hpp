@@ -9,7 +9,9 @@ namespace wayfuse {
 struct StepDetectorSettings {
   double cutoff_hz = 3.0;              ///< low-pass on |a|; larger follows sharper impacts and counts more shakes
   double least_swing_mps2 = 1.3;       ///< peak minus valley of a step; larger misses soft steps, smaller counts fidgeting
+  double fall = 0.5;                   ///< share of the swing the signal must fall from a peak to end it
   double least_interval_s = 0.25;      ///< [P2]: window 0.2..2 s
+  double least_share = 0.5;            ///< and no less than this share of the walker's usual interval: bounces are not steps
   double most_interval_s = 2.0;        ///< a step later than this begins a new walk
 };
 
@@ -38,11 +40,9 @@ class StepDetector {
   StepDetectorSettings settings_;
   double first_ = 0.0, second_ = 0.0;     // two poles of the low-pass
   double peak_ = 0.0, valley_ = 0.0;
+  double typical_swing_ = 3.0, typical_interval_s_ = 0.25;
   PhoneTime time_, peak_time_, last_step_;
   bool started_ = false, rising_ = true, walked_ = false;
 };
-
-/// Weinberg's step length K (a_max - a_min)^(1/4) [P2, P3 eq. 8], metres, kept within 0.2..1.3 m.
-double weinberg_step_length_m(double swing_mps2, double k = 0.5);
 
 }  // namespace wayfuse
