@@ -42,9 +42,25 @@ bool finite(const Place& place) { return std::isfinite(place.point.x_m) && std::
 }  // namespace
 
 bool usable(const ScanReading& reading) {
-  return std::isfinite(reading.rss_dbm) && reading.rss_dbm < 1.0 && reading.rss_dbm > -130.0 &&
-         !reading.bssid.locally_administered();
+  return std::isfinite(reading.rss_dbm) && reading.rss_dbm < 1.0 && reading.rss_dbm > -130.0;
 }
+
+namespace {
+
+// Locally administered addresses heard at one point only: a phone's hot spot that passed by.
+void drop_passing_hot_spots(std::vector<std::map<Bssid, Sum>>& points) {
+  std::map<Bssid, int> heard_at;
+  for (const auto& point : points) {
+    for (const auto& [bssid, _] : point) {
+      if (bssid.locally_administered()) ++heard_at[bssid];
+    }
+  }
+  for (auto& point : points) {
+    std::erase_if(point, [&](const auto& entry) { return entry.first.locally_administered() && heard_at[entry.first] < 2; });
+  }
+}
+
+}  // namespace
 
 std::shared_ptr<const RadioMap> RadioMap::build(std::span<const ReferencePoint> survey) {
   auto map = std::make_shared<RadioMap>();
@@ -52,17 +68,19 @@ std::shared_ptr<const RadioMap> RadioMap::build(std::span<const ReferencePoint> 
   std::vector<const ReferencePoint*> kept;
   for (const ReferencePoint& point : survey) {
     if (!finite(point.place)) continue;
-    auto sum = sum_up(point);
-    if (sum.empty()) continue;
-    for (const auto& [bssid, _] : sum) map->transmitters_.push_back(bssid);
-    sums.push_back(std::move(sum));
+    sums.push_back(sum_up(point));
     kept.push_back(&point);
+  }
+  drop_passing_hot_spots(sums);
+  for (const auto& sum : sums) {
+    for (const auto& [bssid, _] : sum) map->transmitters_.push_back(bssid);
   }
   std::ranges::sort(map->transmitters_);
   const auto [first, last] = std::ranges::unique(map->transmitters_);
   map->transmitters_.erase(first, last);
 
   for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (sums[i].empty()) continue;
     MapPoint point{kept[i]->place, static_cast<std::uint32_t>(map->levels_.size()), static_cast<std::uint32_t>(sums[i].size()),
                    static_cast<std::uint16_t>(std::min<std::size_t>(kept[i]->scans.size(), 65535))};
     for (const auto& [bssid, sum] : sums[i]) map->levels_.push_back(level_of(*map->index_of(bssid), sum));

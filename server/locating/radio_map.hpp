@@ -42,7 +42,8 @@ struct KnownScan {
 /// The survey as a sparse table: points x transmitters, only what was heard.
 ///
 /// A transmitter missing from a point is *unknown there*, not a number: every locator says itself what it makes of that.
-/// Locally administered addresses are dropped (phones' hot spots move), and so are readings that are not finite.
+/// Locally administered addresses that a single point heard are dropped (phones' hot spots pass by), others stay: large networks
+/// derive most of theirs that way. Readings that are not finite are dropped.
 /// Immutable once built; shared by all sessions.
 class RadioMap {
  public:

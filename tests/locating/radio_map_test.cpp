@@ -47,6 +47,14 @@ TEST(RadioMap, LeavesOutWhatCannotBeUsed) {
   EXPECT_EQ(map->transmitters().size(), 1u);
 }
 
+TEST(RadioMap, KeepsLocallyAdministeredAddressesThatStay) {
+  const std::uint64_t stays = std::uint64_t{2} << 40, passes_by = stays + 1;
+  const ReferencePoint survey[] = {point(0.0, {scan({heard(stays, -40), heard(passes_by, -40)})}), point(5.0, {scan({heard(stays, -50)})})};
+  const auto map = RadioMap::build(survey);
+  ASSERT_EQ(map->transmitters().size(), 1u);
+  EXPECT_EQ(map->transmitters()[0], Bssid{stays});
+}
+
 TEST(RadioMap, KnowsAScanSortedWithTheYoungestReadingOfEach) {
   const ReferencePoint survey[] = {point(0.0, {scan({heard(1, -50), heard(2, -60), heard(3, -70)})})};
   const auto map = RadioMap::build(survey);

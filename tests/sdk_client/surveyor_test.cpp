@@ -63,6 +63,22 @@ TEST(Surveyor, KeepsReadingsHeardTogetherTogether) {
   EXPECT_EQ(points[0].scans[0].readings[2].age, 200ms);
 }
 
+TEST(Surveyor, TakesWhatTheCacheRepeatsOnce) {
+  Surveyor surveyor("m", Random(1));
+  ASSERT_TRUE(surveyor.begin_walk("w"));
+  ASSERT_TRUE(surveyor.mark(PhoneTime{0s}, at(0, 0), 0));
+  ASSERT_TRUE(surveyor.mark(PhoneTime{10s}, at(10, 0), 0));
+  ASSERT_TRUE(surveyor.scan(scan_at(5s, {{1, 0s}, {2, 1s}}), UnixTime{0s}));
+  ASSERT_TRUE(surveyor.scan(scan_at(8s, {{1, 3s}, {2, 0s}}), UnixTime{0s}));  // 1 is the reading of second 5 again
+  ASSERT_TRUE(surveyor.end_walk());
+  const auto points = all_points(surveyor);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0].scans[0].readings.size(), 2u);
+  ASSERT_EQ(points[1].scans[0].readings.size(), 1u);
+  EXPECT_EQ(points[1].scans[0].readings[0].bssid, Bssid{2});
+  EXPECT_EQ(surveyor.readings_left_out(), 0u);
+}
+
 TEST(Surveyor, LeavesOutWhatWasHeardOnTheStairs) {
   Surveyor surveyor("m", Random(1));
   ASSERT_TRUE(surveyor.begin_walk("w"));

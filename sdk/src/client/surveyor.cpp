@@ -7,8 +7,10 @@
 namespace wayfuse {
 namespace {
 
-// Readings heard within this share one place: at walking pace the walker moved less than the scan itself smears.
-constexpr Duration kTogether = std::chrono::milliseconds(300);
+// Readings heard within this share one place, and so one fingerprint: a radio takes up to 1.8 s to go through its channels,
+// and a fingerprint cut into its channels matches nothing. A walker is within a metre of the middle.
+constexpr Duration kTogether = std::chrono::seconds(2);
+constexpr Duration kSameReading = std::chrono::milliseconds(10);  // phones hand the same reading out again, its age rounded anew
 constexpr std::size_t kBatchBytes = 60 * 1024;  // of points, as JSON; the rest of a frame is for key and wrapping
 
 Fault misused(const char* cause) { return {FaultCode::kUnexpectedMessage, "walk", cause}; }
@@ -64,6 +66,7 @@ Result<void> Surveyor::end_walk() {
   if (!walking_) return misused("no walk has begun");
   if (marks_.size() < 2) return misused("a walk needs two marks at least");
   walking_ = false;
+  heard_.clear();
   for (const auto& [scan, at] : scans_) place_scan(scan, at);
   scans_.clear();
   return {};
@@ -84,7 +87,14 @@ std::optional<Surveyor::Spot> Surveyor::where(PhoneTime time) const {
 
 // One point for every group of readings heard together; inside it the scan's time is when the newest of them was heard.
 void Surveyor::place_scan(const RssScan& scan, UnixTime at) {
-  std::vector<ScanReading> readings = scan.readings;
+  std::vector<ScanReading> readings;
+  for (const ScanReading& reading : scan.readings) {
+    const PhoneTime heard = scan.time - reading.age;
+    const auto [last, first_time] = heard_.try_emplace(reading.bssid, heard);
+    if (!first_time && heard <= last->second + kSameReading) continue;
+    last->second = heard;
+    readings.push_back(reading);
+  }
   std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.age < b.age; });
   for (std::size_t begin = 0, end; begin < readings.size(); begin = end) {
     const Duration newest = readings[begin].age;

@@ -102,7 +102,9 @@ Result<Selection> select_walks(const RecordedSite& site, const SelectionOptions&
   for (std::size_t i = 0; i < walks.size(); ++i) {
     const Split split = split_of(walks[i].id);
     const bool surveys = split == Split::kSurvey || (split == Split::kDevelopment && !options.development);
-    if (surveys && taken.count(i) == 0) selection.survey.push_back(std::move(walks[i]));
+    if (!surveys || taken.count(i) > 0) continue;
+    if (walks[i].duration_s() > 0.0) selection.survey.push_back(std::move(walks[i]));
+    else selection.complaints.push_back(walks[i].id + ": a survey walk needs two way points");
   }
   return selection;
 }

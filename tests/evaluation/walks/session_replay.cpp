@@ -67,7 +67,10 @@ struct World {
 Result<std::vector<SurveyBatch>> batches_of(const RecordedWalk& walk) {
   Surveyor surveyor(walk.device_model.empty() ? "unknown" : walk.device_model, Random(fnv1a(walk.id)));
   if (const auto begun = surveyor.begin_walk(walk.id); !begun) return begun.fault();
+  std::optional<PhoneTime> marked;
   for (const TruePoint& point : walk.way_points) {
+    if (marked == point.time) continue;  // marked twice in one millisecond
+    marked = point.time;
     if (const auto done = surveyor.mark(point.time, {point.point, walk.floor}, 0.0); !done) return done.fault();
   }
   for (const RssScan& scan : walk.scans) {

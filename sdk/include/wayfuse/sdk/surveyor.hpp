@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +27,8 @@ class Surveyor {
   /// The walker is at `place` at `time`; marks come in time order.
   Result<void> mark(PhoneTime time, Place place, double sigma_m);
   Result<void> scan(const RssScan& scan, UnixTime at);
-  /// Places the walk's scans; each reading goes to where the walker was at `time - age`. Readings heard before the first mark,
+  /// Places the walk's scans: readings heard within 2 s of each other become one point, where the walker was in the middle of
+  /// them. What the phone's cache repeats from an earlier scan counts once. Readings heard before the first mark,
   /// after the last one or between marks of two floors have no place: they are left out and counted.
   Result<void> end_walk();
 
@@ -54,6 +56,7 @@ class Surveyor {
   std::string walk_;
   std::vector<Mark> marks_;
   std::vector<std::pair<RssScan, UnixTime>> scans_;
+  std::map<Bssid, PhoneTime> heard_;  // in this walk, the newest reading placed
   std::size_t left_out_ = 0;
 };
 
