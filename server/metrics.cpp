@@ -1,0 +1,106 @@
+#include "server/metrics.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+namespace wayfuse {
+namespace {
+
+class Exposition {
+ public:
+  void counter(std::string_view name, std::string_view help, double value) { row(name, help, "counter", value); }
+  void gauge(std::string_view name, std::string_view help, double value) { row(name, help, "gauge", value); }
+  std::string text() const { return text_.str(); }
+
+ private:
+  void row(std::string_view name, std::string_view help, std::string_view kind, double value) {
+    text_.precision(17);
+    text_ << "# HELP wayfuse_" << name << ' ' << help << "\n# TYPE wayfuse_" << name << ' ' << kind << "\nwayfuse_" << name
+          << ' ' << value << '\n';
+  }
+  std::ostringstream text_;
+};
+
+double number(const std::atomic<std::uint64_t>& count) {
+  return static_cast<double>(count.load(std::memory_order_relaxed));
+}
+
+double resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total = 0;
+  double resident = 0;
+  statm >> total >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+void add_sessions(Exposition& out, const SessionWorld& world) {
+  const SessionCounters& c = world.counters;
+  out.gauge("sessions", "Tracking sessions held, connected or resumable.", static_cast<double>(world.sessions.size()));
+  out.counter("sessions_begun_total", "Tracking sessions begun.", number(c.sessions_begun));
+  out.counter("sessions_resumed_total", "Tracking sessions resumed whole.", number(c.sessions_resumed));
+  out.counter("sessions_not_recovered_total", "Resumes answered with recovered: false.", number(c.sessions_not_recovered));
+  out.counter("sample_batches_total", "Sample batches received.", number(c.batches));
+  out.counter("samples_applied_total", "Samples applied.", number(c.samples_applied));
+  out.counter("samples_duplicate_total", "Samples received again and acknowledged without effect.",
+              number(c.samples_duplicate));
+  out.counter("samples_late_dropped_total", "Samples older than the reorder window.", number(c.samples_late_dropped));
+  out.counter("sequence_gaps_total", "Gaps in sample numbers.", number(c.sequence_gaps));
+  out.counter("rewinds_total", "Trackers taken back for evidence out of order.", number(c.rewinds));
+  out.counter("positions_total", "Positions given.", number(c.positions));
+  out.counter("no_fix_total", "Times there was no position to give.", number(c.no_fixes));
+  out.counter("unsound_positions_total", "Positions withheld because they were not finite: a bug.",
+              number(c.unsound_positions));
+  out.counter("position_age_seconds_total", "Sum over positions of the time from evidence to answer.",
+              number(c.position_age_us) * 1e-6);
+  out.counter("apply_seconds_total", "Time spent in trackers.", number(c.apply_us) * 1e-6);
+  out.counter("malformed_messages_total", "Frames that did not decode.", number(c.malformed_messages));
+  out.counter("survey_batches_total", "Survey batches committed.", number(c.survey_batches));
+  out.counter("survey_points_total", "Reference points committed.", number(c.survey_points));
+  out.counter("survey_refused_total", "Survey batches refused.", number(c.survey_refused));
+  out.counter("observations_total", "Observations sent.", number(c.observations));
+}
+
+void add_net(Exposition& out, const NetCounters& c) {
+  out.gauge("connections", "Open connections.", number(c.connections));
+  out.gauge("connections_half_open", "Open connections without a complete request.", number(c.half_open));
+  out.gauge("websockets", "Open WebSocket sessions.", number(c.websockets));
+  out.counter("connections_accepted_total", "Connections accepted.", number(c.accepted));
+  out.counter("connections_refused_total", "Connections refused by caps and rates.", number(c.refused));
+  out.counter("accept_failures_total", "Failed accepts.", number(c.accept_failures));
+  out.counter("tls_failures_total", "Failed TLS handshakes.", number(c.tls_failures));
+  out.counter("handshake_timeouts_total", "Connections that sent no request in time.", number(c.handshake_timeouts));
+  out.counter("authentication_failures_total", "Wrong or missing keys.", number(c.authentication_failures));
+  out.counter("http_answers_ok_total", "HTTP answers below 400.", number(c.http_ok));
+  out.counter("http_answers_client_error_total", "HTTP answers 400 to 499.", number(c.http_client_errors));
+  out.counter("http_answers_server_error_total", "HTTP answers from 500.", number(c.http_server_errors));
+  out.counter("frames_received_total", "WebSocket messages received.", number(c.frames_in));
+  out.counter("frames_sent_total", "WebSocket messages sent.", number(c.frames_out));
+  out.counter("received_bytes_total", "Bytes of WebSocket messages received.", number(c.bytes_in));
+  out.counter("sent_bytes_total", "Bytes of WebSocket messages sent.", number(c.bytes_out));
+  out.counter("slow_consumers_closed_total", "Sessions closed because they did not read.", number(c.slow_closed));
+  out.counter("dead_connections_closed_total", "Sessions closed because they gave no sign of life.", number(c.dead_closed));
+  out.counter("read_pauses_total", "Times a session was held back for sending too fast.", number(c.read_pauses));
+  out.counter("shed_total", "Sessions refused or observers closed for want of memory.", number(c.shed));
+  out.gauge("outbox_bytes", "Bytes waiting to be written.", number(c.outbox_bytes));
+}
+
+}  // namespace
+
+std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, const MemoryBudget& budget,
+                         const BuildingKeeper& buildings, bool ready) {
+  Exposition out;
+  out.gauge("ready", "1 when the server takes sessions.", ready ? 1 : 0);
+  out.gauge("buildings", "Buildings on the shelf.", static_cast<double>(sessions.buildings.all().size()));
+  out.gauge("buildings_failed", "Buildings that could not be made ready.", static_cast<double>(buildings.failures().size()));
+  out.counter("radio_map_builds_total", "Radio maps built or tried.", static_cast<double>(buildings.rebuilds()));
+  out.gauge("memory_budget_used_ratio", "Counted memory over its limit.", budget.used());
+  out.gauge("resident_memory_bytes", "Resident memory of the process.", resident_bytes());
+  add_sessions(out, sessions);
+  add_net(out, net);
+  return out.text();
+}
+
+}  // namespace wayfuse

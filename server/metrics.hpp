@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "server/buildings/building_keeper.hpp"
+#include "server/net/net_world.hpp"
+#include "server/sessions/session_world.hpp"
+
+namespace wayfuse {
+
+/// The state of the server in Prometheus' text exposition format 0.0.4. No ids, names or positions [SAFETY C19].
+std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, const MemoryBudget& budget,
+                         const BuildingKeeper& buildings, bool ready);
+
+}  // namespace wayfuse
