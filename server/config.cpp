@@ -53,7 +53,7 @@ std::string show_number(double value) {
   text << value;
   return text.str();
 }
-std::string quoted(Text text) {
+std::string in_quotes(Text text) {
   return "\"" + std::string(text) + "\"";
 }
 
@@ -72,7 +72,7 @@ using Config = ServerConfig;
     c.field = std::string(text);                   \
     return {};                                     \
   },                                               \
-      [](const Config& c) { return quoted(std::string(c.field)); }
+      [](const Config& c) { return in_quotes(std::string(c.field)); }
 #define WAYFUSE_COUNT(field, least, most)                                                  \
   [](Config& c, Text key, Text text) {                                                     \
     return take_number<decltype(c.field), std::uint64_t>(c.field, key, text, least, most); \
@@ -127,7 +127,7 @@ const std::array kSettings = {
     ConfigSetting{"sessions.idle_s", "without a valid message before the connection is closed, 1..86400 s",
                   WAYFUSE_SECONDS(sessions.idle_deadline, 1, 86400)},
     ConfigSetting{"log.level", "debug, info, warn, error or off", take_level,
-                  [](const Config& c) { return quoted(c.log_level); }},
+                  [](const Config& c) { return in_quotes(c.log_level); }},
 };
 #undef WAYFUSE_TEXT
 #undef WAYFUSE_COUNT

@@ -10,6 +10,7 @@ BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, R
 void BuildingKeeper::refresh(BuildingId id) {
   {
     const std::lock_guard lock(mutex_);
+    if (stopped_) return;
     const auto [work, fresh] = working_.try_emplace(id);
     if (!fresh) {
       work->second.again = true;
@@ -64,7 +65,7 @@ void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
       failures_.erase(id);
     }
     Work& work = working_.at(id);
-    if (!work.again) {
+    if (!work.again || stopped_) {
       working_.erase(id);
       settled_.notify_all();
       return;
@@ -72,6 +73,11 @@ void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
     work.again = false;
   }
   begin(id);
+}
+
+void BuildingKeeper::stop() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
 }
 
 std::vector<std::pair<BuildingId, Fault>> BuildingKeeper::failures() const {

@@ -25,6 +25,8 @@ class BuildingKeeper {
   BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run);
 
   void refresh(BuildingId id);
+  /// No new reads from here on; what is being built is finished.
+  void stop();
   /// Buildings that could not be made ready, with the reason.
   std::vector<std::pair<BuildingId, Fault>> failures() const;
   /// Nothing is being built and nothing waits.
@@ -55,6 +57,7 @@ class BuildingKeeper {
   std::map<BuildingId, Work> working_;
   std::map<BuildingId, Fault> failures_;
   std::uint64_t rebuilds_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace wayfuse

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "admin/access.hpp"
+#include "admin/router.hpp"
+#include "admin/server_control.hpp"
+#include "db/database_directory.hpp"
+#include "server/buildings/building_keeper.hpp"
+#include "server/config.hpp"
+#include "server/log.hpp"
+#include "server/net/listener.hpp"
+#include "server/system_clock.hpp"
+#include "server/worker_pool.hpp"
+
+namespace wayfuse {
+
+/// The whole server, put together: the only place that knows every room.
+///
+/// Thread: start(), reload() and drain() belong to one thread; what ServerControl offers is safe from any.
+class App final : public ServerControl {
+ public:
+  /// Opens the store, makes every building ready, listens. Afterwards it serves.
+  static Result<std::unique_ptr<App>> start(ServerConfig config);
+  ~App() override;
+
+  std::uint16_t port() const { return listener_->port(); }
+  std::string url() const;
+  /// The admin key made on the first start; empty otherwise, or when it went to a file.
+  const std::string& first_key() const { return first_key_; }
+
+  /// SIGHUP: reads certificate and key again.
+  void reload();
+  /// SIGTERM: not ready, nobody new, everybody told, everything stored [SAFETY C20].
+  void drain();
+
+  // ---- ServerControl
+  Readiness readiness() const override;
+  std::vector<SessionSummary> sessions(BuildingId building) const override;
+  std::string metrics() const override;
+  std::vector<PartDescription> parts() const override;
+  std::vector<std::string> presets() const override;
+  Result<std::string> preset_json(const std::string& name) const override;
+  void building_changed(BuildingId building) override;
+  std::uint64_t radio_map_version(BuildingId building) const override;
+
+ private:
+  App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store);
+  Result<void> open();
+  Result<void> make_first_key();
+  void sweep();
+
+  const ServerConfig config_;
+  SystemClock clock_;
+  Log log_;
+  std::unique_ptr<DatabaseDirectory> store_;
+  std::unique_ptr<KeyRing> keys_;
+  std::string first_key_;
+  WorkerPool workers_;
+  BuildingShelf shelf_;
+  BuildingKeeper keeper_;
+  SessionShelf sessions_;
+  LiveBoard board_;
+  SessionCounters session_counters_;
+  SessionWorld session_world_;
+  NetCounters net_counters_;
+  std::unique_ptr<Router> router_;
+  std::unique_ptr<NetWorld> net_world_;
+  std::unique_ptr<Listener> listener_;
+  std::atomic<bool> ready_{false};
+  bool drained_ = false;
+};
+
+}  // namespace wayfuse
