@@ -102,15 +102,8 @@ Result<void> App::open() {
   add_operation_routes(*router_, *this);
   add_key_routes(*router_, *keys_, clock_);
   add_console_routes(*router_);
-  net_world_.reset(new NetWorld{.sessions = session_world_,
-                                .router = *router_,
-                                .access = *keys_,
-                                .clock = clock_,
-                                .counters = net_counters_,
-                                .settings = config_.net,
-                                .complain = [this](std::string_view what) {
-                                  log_.error("accident", {{"what", std::string(what)}});
-                                }});
+  net_world_ = std::make_unique<NetWorld>(session_world_, *router_, *keys_, clock_, net_counters_, config_.net,
+                                          [this](std::string_view what) { log_.error("accident", {{"what", std::string(what)}}); });
   auto listener = Listener::open(*net_world_);
   if (!listener) return listener.fault();
   listener_ = *std::move(listener);

@@ -26,12 +26,14 @@ std::size_t count_known(std::span<const Bssid> known, std::span<const Bssid> hea
 Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey) {
   std::shared_ptr<Building> building(new Building());
   building->transmitters_ = transmitters_of(survey);
-  building->site_ = std::make_shared<const Site>(Site{.building = record.id,
-                                                      .georeference = record.georeference,
-                                                      .magnetic_field = record.magnetic_field,
-                                                      .floors = record.floors,
-                                                      .survey = std::move(survey),
-                                                      .radio_map_version = record.survey_version});
+  auto site = std::make_shared<Site>();
+  site->building = record.id;
+  site->georeference = record.georeference;
+  site->magnetic_field = record.magnetic_field;
+  site->floors = record.floors;
+  site->survey = std::move(survey);
+  site->radio_map_version = record.survey_version;
+  building->site_ = std::move(site);
   building->record_ = std::move(record);
   const auto own = building->pipeline("");
   if (!own) return own.fault();

@@ -94,6 +94,16 @@ class MemoryBudget {
 
 /// All that connections need from outside. Thread: what it refers to is safe from any strand.
 struct NetWorld {
+  NetWorld(SessionWorld& session_world, const Router& admin_router, const Access& admin_access, const Clock& net_clock,
+           NetCounters& net_counters, NetSettings net_settings, std::function<void(std::string_view)> net_complain)
+      : sessions(session_world),
+        router(admin_router),
+        access(admin_access),
+        clock(net_clock),
+        counters(net_counters),
+        settings(std::move(net_settings)),
+        complain(std::move(net_complain)) {}
+
   SessionWorld& sessions;
   const Router& router;
   const Access& access;
