@@ -6,6 +6,7 @@
 #include "db/packing.hpp"
 #include "db/schema.hpp"
 #include "db/survey_store.hpp"
+#include "db/zone_table.hpp"
 
 namespace wayfuse {
 namespace {
@@ -184,6 +185,25 @@ Result<std::uint64_t> BuildingDatabase::count_points() {
 }
 
 Result<std::vector<TransmitterRecord>> BuildingDatabase::transmitters() { return connection_->run(read_transmitters); }
+
+Result<std::uint64_t> BuildingDatabase::erase(const EraseQuery& query) {
+  return connection_->run([&](SqliteConnection& sqlite) {
+    Transaction transaction(sqlite);
+    const std::uint64_t erased = erase_points(sqlite, query);
+    transaction.commit();
+    return erased;
+  });
+}
+
+Result<std::vector<ZoneRecord>> BuildingDatabase::zones() { return connection_->run(read_zones); }
+
+Result<ZoneRecord> BuildingDatabase::put_zone(const ZoneRecord& zone) {
+  return connection_->run([&](SqliteConnection& sqlite) { return write_zone(sqlite, zone); });
+}
+
+Result<void> BuildingDatabase::remove_zone(std::uint64_t id) {
+  return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_zone(sqlite, id); });
+}
 
 Result<void> BuildingDatabase::back_up_to(const std::filesystem::path& file) {
   if (std::filesystem::exists(file)) return Fault{FaultCode::kConflict, file.filename().string(), "there is such a file already"};

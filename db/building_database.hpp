@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "db/zone_record.hpp"
 #include "wayfuse/proto/fingerprint.hpp"
 #include "wayfuse/proto/message.hpp"
 #include "wayfuse/proto/place.hpp"
@@ -46,6 +47,15 @@ struct PointQuery {
   std::uint32_t most = 1000;
 };
 
+/// Which points to take out: all that fit every condition given. None given = no point at all.
+struct EraseQuery {
+  std::optional<std::uint64_t> point_id = {};
+  std::optional<std::string> walk = {};
+  std::optional<std::string> device_model = {};
+  std::optional<std::string> idempotency_key = {};   ///< of the upload that brought them
+  std::optional<UnixTime> surveyed_before = {};      ///< retention
+};
+
 /// One building's SQLite file: WAL, synchronous=FULL, foreign keys, one writer process.
 ///
 /// Every mutating call returns only after COMMIT is durable. Thread: confined to the store's writer thread (StoreWriter);
@@ -73,6 +83,16 @@ class BuildingDatabase {
   Result<std::vector<StoredPoint>> points(const PointQuery& query);
   Result<std::uint64_t> count_points();
   Result<std::vector<TransmitterRecord>> transmitters();
+
+  /// Takes points out for good, with their scans; what the survey heard is counted anew. The upload's row stays, so a retry
+  /// does not bring them back. Answers how many went; the survey version grows if any did.
+  Result<std::uint64_t> erase(const EraseQuery& query);
+
+  Result<std::vector<ZoneRecord>> zones();               ///< ascending ids
+  /// Id 0 = a new one; else replaces, kNotFound if there is none.
+  Result<ZoneRecord> put_zone(const ZoneRecord& zone);
+  Result<void> remove_zone(std::uint64_t id);
+
   /// SQLite's own backup into a new file, consistent while writers go on.
   Result<void> back_up_to(const std::filesystem::path& file);
 

@@ -12,6 +12,9 @@ namespace wayfuse {
 /// Throws StoreError when the disk failed: then none of them may be acknowledged.
 std::vector<Result<SurveyAck>> store_batches(SqliteConnection& connection, const std::vector<SurveyBatch>& batches);
 
+/// Within an open transaction; answers how many points went.
+std::uint64_t erase_points(SqliteConnection& connection, const EraseQuery& query);
+
 std::vector<StoredPoint> read_points(SqliteConnection& connection, const PointQuery& query);
 std::vector<TransmitterRecord> read_transmitters(SqliteConnection& connection);
 

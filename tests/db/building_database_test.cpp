@@ -233,6 +233,94 @@ TEST(BuildingDatabase, RefusesADescriptionThatCannotBeKept) {
   EXPECT_THAT(refused([](BuildingRecord& b) { b.georeference->origin.latitude_deg = 91; }), ::testing::HasSubstr("latitude_deg"));
 }
 
+TEST(BuildingDatabase, ErasesPointsAndWhatWasHeardAtThem) {
+  const TemporaryFolder folder;
+  BuildingDatabase database = fresh(folder);
+  ASSERT_TRUE(database.store({sample_batch(1, 30)}).at(0));
+  const std::vector<TransmitterRecord> before = database.transmitters().value();
+  ASSERT_TRUE(database.store({sample_batch(2, 30)}).at(0));
+  EXPECT_EQ(database.erase({}).value(), 0u) << "no condition, no point";
+  EXPECT_EQ(database.erase({.walk = "walk-none", .idempotency_key = "batch-2"}).value(), 0u);
+  EXPECT_EQ(database.building()->survey_version, 2u);
+  EXPECT_EQ(database.erase({.idempotency_key = "batch-2"}).value(), 30u);
+  EXPECT_EQ(points_of(database), sample_batch(1, 30).points);
+  EXPECT_EQ(database.building()->survey_version, 3u);
+  const std::vector<TransmitterRecord> after = database.transmitters().value();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].bssid, before[i].bssid);
+    EXPECT_EQ(after[i].readings, before[i].readings);
+    EXPECT_EQ(after[i].strongest_dbm, before[i].strongest_dbm);
+    EXPECT_EQ(after[i].frequency_mhz, before[i].frequency_mhz);
+  }
+  EXPECT_EQ(database.store({sample_batch(2, 30)}).at(0).value(), (SurveyAck{"batch-2", 30, 2})) << "a retry brings nothing back";
+  EXPECT_EQ(database.count_points().value(), 30u);
+}
+
+TEST(BuildingDatabase, ErasesByWalkDeviceAgeAndNumber) {
+  const TemporaryFolder folder;
+  BuildingDatabase database = fresh(folder);
+  const SurveyBatch batch = sample_batch(1, 60);
+  ASSERT_TRUE(database.store({batch}).at(0));
+  std::vector<ReferencePoint> left = batch.points;
+  const auto drop = [&](auto fits) { return static_cast<std::uint64_t>(std::erase_if(left, fits)); };
+  EXPECT_EQ(database.erase({.walk = "walk-2"}).value(), drop([](const ReferencePoint& p) { return p.walk == "walk-2"; }));
+  EXPECT_EQ(database.erase({.device_model = "Pixel 1"}).value(), drop([](const ReferencePoint& p) { return p.device_model == "Pixel 1"; }));
+  const UnixTime middle = left[left.size() / 2].surveyed_at;
+  EXPECT_EQ(database.erase({.surveyed_before = middle}).value(), drop([&](const ReferencePoint& p) { return p.surveyed_at < middle; }));
+  const std::uint64_t first = database.points({}).value().at(0).id;
+  EXPECT_EQ(database.erase({.point_id = first}).value(), 1u);
+  left.erase(left.begin());
+  EXPECT_GT(left.size(), 3u);
+  EXPECT_EQ(points_of(database), left);
+}
+
+ZoneRecord sample_zone(const std::string& name) {
+  ZoneRecord zone;
+  zone.name = name;
+  zone.floor = {-1};
+  zone.region = Polygon{{{{0, 0}, {5, 0}, {5, 5}}, {{1, 0.5}, {2, 0.5}, {2, 1}}}};
+  zone.exit_tolerance_m = 1.5;
+  zone.tolerance_timeout = std::chrono::seconds(5);
+  zone.exit_delay = std::nullopt;
+  zone.timeout = std::chrono::seconds(60);
+  return zone;
+}
+
+TEST(BuildingDatabase, KeepsZones) {
+  const TemporaryFolder folder;
+  BuildingDatabase database = fresh(folder);
+  ZoneRecord lab = database.put_zone(sample_zone("Lab")).value();
+  const ZoneRecord hall = database.put_zone(sample_zone("Hall")).value();
+  EXPECT_NE(lab.id, hall.id);
+  lab.timeout.reset();
+  lab.floor = {0};
+  ASSERT_TRUE(database.put_zone(lab));
+  EXPECT_THAT(database.zones().value(), ::testing::ElementsAre(lab, hall));
+  ASSERT_TRUE(database.remove_zone(hall.id));
+  EXPECT_EQ(database.remove_zone(hall.id).fault().code, FaultCode::kNotFound);
+  EXPECT_EQ(database.put_zone(hall).fault().code, FaultCode::kNotFound);
+  EXPECT_GT(database.put_zone(sample_zone("New")).value().id, hall.id) << "a number is never given twice";
+}
+
+TEST(BuildingDatabase, RefusesZonesThatAreNone) {
+  const TemporaryFolder folder;
+  BuildingDatabase database = fresh(folder);
+  const auto field_of = [&](auto change) {
+    ZoneRecord zone = sample_zone("Lab");
+    change(zone);
+    const Result<ZoneRecord> answer = database.put_zone(zone);
+    return answer ? std::string("stored") : answer.fault().field + answer.fault().cause;
+  };
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.region.rings.clear(); }), ::testing::HasSubstr("region"));
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.region.rings[1].pop_back(); }), ::testing::HasSubstr("region.rings[1]"));
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.region.rings[0][0].x_m = std::nan(""); }), ::testing::HasSubstr("region.rings[0]"));
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.exit_delay = Duration(-1); }), ::testing::HasSubstr("exit_delay"));
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.exit_tolerance_m = -1; }), ::testing::HasSubstr("exit_tolerance_m"));
+  EXPECT_THAT(field_of([](ZoneRecord& z) { z.name.clear(); }), ::testing::HasSubstr("name"));
+  EXPECT_TRUE(database.zones()->empty());
+}
+
 TEST(BuildingDatabase, BacksUpWhileItIsOpen) {
   const TemporaryFolder folder;
   BuildingDatabase database = fresh(folder);

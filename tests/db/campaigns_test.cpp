@@ -45,11 +45,11 @@ TEST(FindLosses, SeesWhatIsMissingForeignOrChanged) {
   const std::string sent = sent_line(sample_batch(1)), acked = acked_line(*ack);
   EXPECT_THAT(losses(sent + acked), ::testing::IsEmpty());
   EXPECT_THAT(losses(sent), ::testing::IsEmpty());
-  EXPECT_THAT(losses(sent + acked + "sent batch-2 00"), ::testing::IsEmpty()) << "a line cut short is no line";
+  EXPECT_THAT(losses(sent + acked + "sent batch-2 00\n"), ::testing::IsEmpty()) << "a line cut short is no line";
   EXPECT_THAT(losses(""), ::testing::ElementsAre("batch-1: stored, but never sent"));
-  EXPECT_THAT(losses(sent + acked + sent_line(sample_batch(2)) + "acked batch-2 2 2\n"), ::testing::ElementsAre("batch-2: acknowledged, and lost"));
+  EXPECT_THAT(losses(sent + acked + sent_line(sample_batch(2)) + "acked batch-2 2 2 .\n"), ::testing::ElementsAre("batch-2: acknowledged, and lost"));
   EXPECT_THAT(losses(sent + acked + sent_line(sample_batch(2)), true), ::testing::ElementsAre("batch-2: sent and retried, and not there"));
-  EXPECT_THAT(losses(sent + acked + "acked batch-1 2 9\n"), ::testing::Contains("batch-1: acknowledged twice, differently"));
+  EXPECT_THAT(losses(sent + acked + "acked batch-1 2 9 .\n"), ::testing::Contains("batch-1: acknowledged twice, differently"));
   SurveyBatch other = sample_batch(1);
   other.points[0].scans[0].readings[0].rss_dbm += 0.5;
   EXPECT_THAT(losses(sent_line(other)), ::testing::ElementsAre("batch-1: its points are not those that were sent"));

@@ -319,6 +319,14 @@ std::uint64_t FaultyDisk::changes() const {
   return changes_;
 }
 
+void FaultyDisk::place(const std::string& path, std::string content) {
+  const std::lock_guard lock(mutex_);
+  const auto file = std::make_shared<File>();
+  file->now = file->platter = std::move(content);
+  file->on_platter = true;
+  files_[path] = file;
+}
+
 std::string FaultyDisk::content(const std::string& path) const {
   const std::lock_guard lock(mutex_);
   const auto found = files_.find(path);

@@ -54,6 +54,8 @@ class FaultyDisk {
   /// Power again: what was synced is there, the rest as luck has it. No file may be open.
   void restore_power(Random& luck);
 
+  /// Puts a file there, durable.
+  void place(const std::string& path, std::string content);
   /// The file as a reader would see it now, for checks from outside; empty if there is none.
   std::string content(const std::string& path) const;
 

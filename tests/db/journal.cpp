@@ -8,6 +8,8 @@
 namespace wayfuse::testing {
 namespace {
 
+constexpr std::string_view kLineEnd = " .\n";
+
 std::string exact(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%a", value);
@@ -46,11 +48,11 @@ std::string spell(const ReferencePoint& point) {
 std::string sent_line(const SurveyBatch& batch) {
   std::string line = "sent " + batch.idempotency_key;
   for (const ReferencePoint& point : batch.points) line += ' ' + hex(fnv1a(spell(point)));
-  return line + '\n';
+  return line.append(kLineEnd);
 }
 
 std::string acked_line(const SurveyAck& ack) {
-  return "acked " + ack.idempotency_key + ' ' + std::to_string(ack.stored) + ' ' + std::to_string(ack.survey_version) + '\n';
+  return "acked " + ack.idempotency_key + ' ' + std::to_string(ack.stored) + ' ' + std::to_string(ack.survey_version) + std::string(kLineEnd);
 }
 
 void read_journal(const std::filesystem::path& file, Journal& journal) {
@@ -60,7 +62,9 @@ void read_journal(const std::filesystem::path& file, Journal& journal) {
 
 void note(std::string_view all, Journal& journal) {
   for (std::size_t begin = 0, end; (end = all.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    std::istringstream words(std::string(all.substr(begin, end - begin)));
+    const std::string_view line = all.substr(begin, end + 1 - begin);
+    if (!line.ends_with(kLineEnd)) continue;
+    std::istringstream words(std::string(line.substr(0, line.size() - kLineEnd.size())));
     std::string what, key;
     if (!(words >> what >> key)) continue;
     if (what == "sent") {

@@ -10,7 +10,8 @@
 #include "wayfuse/proto/message.hpp"
 
 /// What a client wrote down about its uploads, to be held against the database after a fault. One line each:
-/// `sent KEY DIGEST...` before the upload (a digest a point), `acked KEY STORED VERSION` after the answer.
+/// `sent KEY DIGEST...` before the upload (a digest a point), `acked KEY STORED VERSION` after the answer; each ends
+/// in ` .`, for a kill may cut a line short where the next start ends it.
 namespace wayfuse::testing {
 
 /// 64-bit FNV-1a.
@@ -31,7 +32,7 @@ struct JournalEntry {
 };
 using Journal = std::map<std::string, JournalEntry>;  ///< by idempotency key
 
-/// Adds a text's whole lines to `journal`; a last line cut short by a kill is no line.
+/// Adds a text's whole lines to `journal`.
 void note(std::string_view text, Journal& journal);
 /// The same with a file's text.
 void read_journal(const std::filesystem::path& file, Journal& journal);
