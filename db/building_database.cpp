@@ -6,6 +6,7 @@
 #include "db/packing.hpp"
 #include "db/schema.hpp"
 #include "db/survey_store.hpp"
+#include "db/verification.hpp"
 #include "db/zone_table.hpp"
 
 namespace wayfuse {
@@ -204,6 +205,8 @@ Result<ZoneRecord> BuildingDatabase::put_zone(const ZoneRecord& zone) {
 Result<void> BuildingDatabase::remove_zone(std::uint64_t id) {
   return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_zone(sqlite, id); });
 }
+
+Result<VerifyReport> BuildingDatabase::verify() { return connection_->run(verify_building); }
 
 Result<void> BuildingDatabase::back_up_to(const std::filesystem::path& file) {
   if (std::filesystem::exists(file)) return Fault{FaultCode::kConflict, file.filename().string(), "there is such a file already"};

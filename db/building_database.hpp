@@ -56,6 +56,17 @@ struct EraseQuery {
   std::optional<UnixTime> surveyed_before = {};      ///< retention
 };
 
+/// What verify() read, and everything it found wrong in words.
+struct VerifyReport {
+  std::uint64_t uploads = 0;
+  std::uint64_t uploads_proven = 0;      ///< whole and equal to their body hash; the others had points erased
+  std::uint64_t points = 0;
+  std::uint64_t scans = 0;
+  std::uint64_t readings = 0;
+  std::uint64_t transmitters = 0;
+  std::vector<std::string> wrong;        ///< empty = sound
+};
+
 /// One building's SQLite file: WAL, synchronous=FULL, foreign keys, one writer process.
 ///
 /// Every mutating call returns only after COMMIT is durable. Thread: confined to the store's writer thread (StoreWriter);
@@ -93,6 +104,8 @@ class BuildingDatabase {
   Result<ZoneRecord> put_zone(const ZoneRecord& zone);
   Result<void> remove_zone(std::uint64_t id);
 
+  /// Reads everything and holds it against its hashes and counts: a flipped bit in a reading is found too.
+  Result<VerifyReport> verify();
   /// SQLite's own backup into a new file, consistent while writers go on.
   Result<void> back_up_to(const std::filesystem::path& file);
 

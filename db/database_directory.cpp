@@ -46,6 +46,10 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     queue_.post(std::nullopt, [this, building = std::move(building), done = std::move(done)] { done(create(building)); });
   }
 
+  void restore_building(std::filesystem::path backup, std::function<void(Result<BuildingRecord>)> done) override {
+    queue_.post(std::nullopt, [this, backup = std::move(backup), done = std::move(done)] { done(restore(backup)); });
+  }
+
   std::vector<BuildingId> buildings() const override {
     const std::lock_guard lock(mutex_);
     return present_;
@@ -96,7 +100,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
       return mark_usable(id);
     }
     if (opened.fault().code == FaultCode::kNotFound) {
-      const Result<void> removed = as_result([&] { remove_unfinished(folder_, id); });
+      const Result<void> removed = as_result([&] { remove_database(building_file(folder_, id)); });
       return removed ? forget(id) : mark_unusable(id, removed.fault());
     }
     if (opened.fault().code == FaultCode::kStoreCorrupt) return put_aside(id, opened.fault());
@@ -125,12 +129,44 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     Result<BuildingDatabase> made = BuildingDatabase::create(building_file(folder_, building.id), building, {.vfs = options_.vfs});
     if (!made) {
       // What was begun holds nothing yet; a next attempt under the same number must find the place free.
-      if (made.fault().code != FaultCode::kConflict) (void)as_result([&] { remove_unfinished(folder_, building.id); });
+      if (made.fault().code != FaultCode::kConflict) (void)as_result([&] { remove_database(building_file(folder_, building.id)); });
       return made.fault();
     }
     databases_.insert_or_assign(building.id, std::move(*made));
     mark_usable(building.id);
     return building;
+  }
+
+  Result<BuildingRecord> restore(const std::filesystem::path& backup) {
+    const std::filesystem::path place = folder_ / "restoring.sqlite";
+    Result<BuildingRecord> building = sound_copy(backup, place);
+    if (building && databases_.count(building->id) != 0) {
+      building = Fault{FaultCode::kConflict, "id", "building " + std::to_string(building->id.value) + " is in use"};
+    }
+    const Result<void> placed = as_result([&] {
+      if (building) put_in_place(folder_, place, building->id);
+      remove_database(place);
+    });
+    if (!building) return building;
+    if (!placed) return placed.fault();
+    open(building->id);
+    if (const std::optional<Fault> fault = why_unusable(building->id)) return *fault;
+    return building;
+  }
+
+  // A copy of a backup at `place`, brought to today's schema and read from end to end.
+  Result<BuildingRecord> sound_copy(const std::filesystem::path& backup, const std::filesystem::path& place) {
+    const Result<void> copied = as_result([&] {
+      remove_database(place);
+      SqliteConnection(backup, options_.vfs, SqliteConnection::Mode::kReadOnly).back_up_to(place, options_.vfs);
+    });
+    if (!copied) return copied.fault();
+    Result<BuildingDatabase> opened = BuildingDatabase::open(place, {.vfs = options_.vfs});
+    if (!opened) return opened.fault();
+    const Result<VerifyReport> report = opened->verify();
+    if (!report) return report.fault();
+    if (!report->wrong.empty()) return Fault{FaultCode::kStoreCorrupt, backup.filename().string(), report->wrong.front()};
+    return opened->building();
   }
 
   void commit(BuildingId id, std::vector<PendingUpload> group) {

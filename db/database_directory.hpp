@@ -51,6 +51,11 @@ class DatabaseDirectory {
   /// Id 0 = the next free one. kConflict when the id is taken, by a quarantined building too.
   virtual void create_building(BuildingRecord building, std::function<void(Result<BuildingRecord>)> done) = 0;
 
+  /// Takes a building from a backup: copied, migrated, verified row by row, then put in place under its own number.
+  /// kConflict when that building is in use (a quarantined one is replaced, its files stay aside), kStoreCorrupt when the
+  /// backup is not sound.
+  virtual void restore_building(std::filesystem::path backup, std::function<void(Result<BuildingRecord>)> done) = 0;
+
   /// Snapshot of what is there, taken under a mutex; ascending ids.
   virtual std::vector<BuildingId> buildings() const = 0;
   /// Buildings that cannot be used, with the reason; one whose disk was merely full is tried again at its next use.

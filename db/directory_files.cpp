@@ -1,5 +1,8 @@
 #include "db/directory_files.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <charconv>
 #include <optional>
@@ -77,13 +80,23 @@ void put_aside(const fs::path& folder, BuildingId id) {
   fs::remove(file.string() + "-shm", error);
 }
 
-void remove_unfinished(const fs::path& folder, BuildingId id) {
-  const std::string file = building_file(folder, id).string();
-  for (const char* part : {"", "-wal", "-shm", "-journal"}) {
+void remove_database(const fs::path& file) {
+  for (const char* part : {"", "-wal", "-shm", "-journal", ".lock"}) {
     std::error_code error;
-    fs::remove(file + part, error);
-    if (error) fail(folder, error);
+    fs::remove(file.string() + part, error);
+    if (error) fail(file.parent_path(), error);
   }
+}
+
+void put_in_place(const fs::path& folder, const fs::path& database, BuildingId id) {
+  std::error_code error;
+  fs::rename(database, building_file(folder, id), error);
+  if (error) fail(folder, error);
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  error = std::error_code(errno, std::generic_category());
+  if (descriptor >= 0) ::close(descriptor);
+  if (!synced) fail(folder, error);
 }
 
 }  // namespace wayfuse

@@ -20,7 +20,9 @@ DirectoryFiles list_or_make(const std::filesystem::path& folder);
 
 /// Renames a building's database and log to `.corrupt`, `.corrupt-2`, ...: nothing is thrown away.
 void put_aside(const std::filesystem::path& folder, BuildingId id);
-/// Removes what a creation left that never finished.
-void remove_unfinished(const std::filesystem::path& folder, BuildingId id);
+/// Removes a database with its log and marks; a file that is not there is no fault.
+void remove_database(const std::filesystem::path& file);
+/// Renames a closed database to a building's file, durably.
+void put_in_place(const std::filesystem::path& folder, const std::filesystem::path& database, BuildingId id);
 
 }  // namespace wayfuse

@@ -82,7 +82,7 @@ std::unique_ptr<SqliteConnection> make_empty_database(const fs::path& file, cons
     throw StoreError({code, file.filename().string(), "cannot be made: " + cause});
   }
   ::close(descriptor);
-  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, true);
+  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, SqliteConnection::Mode::kCreate);
   set_up(*connection, settings);
   return connection;
 }
@@ -97,7 +97,7 @@ void run_steps(SqliteConnection& connection, const Schema& schema, std::int64_t 
 
 std::unique_ptr<SqliteConnection> open_database(const fs::path& file, const Schema& schema, const ConnectionSettings& settings) {
   make_log_durable(file, settings.vfs);
-  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, false);
+  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, SqliteConnection::Mode::kReadWrite);
   try {
     const std::int64_t version = version_of(*connection, schema);
     check_pages(*connection);
@@ -112,7 +112,7 @@ std::unique_ptr<SqliteConnection> open_database(const fs::path& file, const Sche
 
 std::unique_ptr<SqliteConnection> reopen_database(const fs::path& file, const ConnectionSettings& settings) {
   make_log_durable(file, settings.vfs);
-  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, false);
+  auto connection = std::make_unique<SqliteConnection>(file, settings.vfs, SqliteConnection::Mode::kReadWrite);
   set_up(*connection, settings);
   return connection;
 }

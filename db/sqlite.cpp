@@ -124,9 +124,10 @@ std::string_view Statement::blob(int column) const {
   return {data != nullptr ? data : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
 }
 
-SqliteConnection::SqliteConnection(const std::filesystem::path& file, const std::string& vfs, bool create)
+SqliteConnection::SqliteConnection(const std::filesystem::path& file, const std::string& vfs, Mode mode)
     : name_(file.filename().string()) {
-  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (create ? SQLITE_OPEN_CREATE : 0);
+  const int access = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE;
+  const int flags = access | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0);
   const int code = sqlite3_open_v2(file.c_str(), &connection_, flags, vfs.empty() ? nullptr : vfs.c_str());
   if (code != SQLITE_OK) {
     try {
@@ -183,7 +184,7 @@ bool SqliteConnection::in_transaction() const { return sqlite3_get_autocommit(co
 void SqliteConnection::keep_log_on_close() { sqlite3_db_config(connection_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr); }
 
 void SqliteConnection::back_up_to(const std::filesystem::path& file, const std::string& vfs) {
-  SqliteConnection copy(file, vfs, true);
+  SqliteConnection copy(file, vfs, Mode::kCreate);
   sqlite3_backup* backup = sqlite3_backup_init(copy.connection_, "main", connection_, "main");
   if (backup == nullptr) fail(copy.connection_, SQLITE_ERROR, copy.name_);
   sqlite3_backup_step(backup, -1);

@@ -64,8 +64,9 @@ class Statement {
 /// One SQLite connection; everything throws StoreError. The only place that sees sqlite3.h. Thread: confined.
 class SqliteConnection {
  public:
-  /// Opens an existing file (or makes it, with `create`) through the named VFS; empty = the default one.
-  SqliteConnection(const std::filesystem::path& file, const std::string& vfs, bool create);
+  enum class Mode { kReadOnly, kReadWrite, kCreate };
+  /// Through the named VFS; empty = the default one. Only kCreate makes a file that is not there.
+  SqliteConnection(const std::filesystem::path& file, const std::string& vfs, Mode mode);
   ~SqliteConnection();
   SqliteConnection(const SqliteConnection&) = delete;
   SqliteConnection& operator=(const SqliteConnection&) = delete;

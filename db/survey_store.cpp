@@ -1,14 +1,12 @@
 #include "db/survey_store.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
 
+#include "db/body_hash.hpp"
 #include "db/packing.hpp"
 
 namespace wayfuse {
@@ -17,50 +15,26 @@ namespace {
 // A batch made ready for the disk before the transaction touches it.
 struct PackedBatch {
   std::vector<std::vector<std::string>> readings;  // a blob a scan, a list a point
-  std::array<unsigned char, 32> body_hash{};
+  std::string body_hash;
 };
 
 std::string at(const char* list, std::size_t index) { return std::string(list) + "[" + std::to_string(index) + "]"; }
 
-std::string_view view(const std::array<unsigned char, 32>& hash) { return {reinterpret_cast<const char*>(hash.data()), hash.size()}; }
-
-// Everything of a point but its readings, spelled so that different points never look alike.
-std::string spell(const ReferencePoint& point) {
-  Packer packer;
-  packer.f64(point.place.point.x_m);
-  packer.f64(point.place.point.y_m);
-  packer.u32(static_cast<std::uint32_t>(point.place.floor.value));
-  packer.f64(point.sigma_m);
-  packer.text(point.device_model);
-  packer.text(point.walk);
-  packer.u64(static_cast<std::uint64_t>(point.surveyed_at.time_since_epoch().count()));
-  packer.u32(static_cast<std::uint32_t>(point.scans.size()));
-  return packer.take();
-}
-
 Result<PackedBatch> pack(const SurveyBatch& batch) {
   PackedBatch packed;
-  crypto_generichash_state hash;
-  crypto_generichash_init(&hash, nullptr, 0, packed.body_hash.size());
-  const auto add = [&](std::string_view bytes) {
-    crypto_generichash_update(&hash, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-  };
+  BodyHash hash;
   for (std::size_t p = 0; p < batch.points.size(); ++p) {
     const ReferencePoint& point = batch.points[p];
-    add(spell(point));
+    hash.add(point);
     std::vector<std::string>& blobs = packed.readings.emplace_back();
     for (std::size_t s = 0; s < point.scans.size(); ++s) {
       Result<std::string> blob = pack_readings(point.scans[s].readings, at("points", p) + "." + at("scans", s));
       if (!blob) return blob.fault();
-      Packer head;
-      head.u64(static_cast<std::uint64_t>(point.scans[s].time.time_since_epoch().count()));
-      head.u32(static_cast<std::uint32_t>(blob->size()));
-      add(head.bytes());
-      add(*blob);
+      hash.add(point.scans[s].time, *blob);
       blobs.push_back(std::move(*blob));
     }
   }
-  crypto_generichash_final(&hash, packed.body_hash.data(), packed.body_hash.size());
+  packed.body_hash = hash.finish();
   return packed;
 }
 
@@ -69,7 +43,7 @@ std::optional<Result<SurveyAck>> earlier_answer(SqliteConnection& connection, co
   Statement find = connection.prepare("SELECT body_hash, stored, survey_version FROM upload WHERE idempotency_key = ?");
   find.bind_text(1, batch.idempotency_key);
   if (!find.step()) return std::nullopt;
-  if (find.blob(0) != view(packed.body_hash)) {
+  if (find.blob(0) != packed.body_hash) {
     return Fault{FaultCode::kIdempotencyConflict, "idempotency_key", "'" + batch.idempotency_key + "' was used before with another body"};
   }
   return SurveyAck{batch.idempotency_key, static_cast<std::uint32_t>(find.integer(1)), static_cast<std::uint64_t>(find.integer(2))};
@@ -128,7 +102,7 @@ class BatchWriter {
 
   std::int64_t write_upload(const SurveyBatch& batch, const PackedBatch& packed, std::int64_t version) {
     Statement insert = connection_.prepare("INSERT INTO upload (idempotency_key, body_hash, stored, survey_version) VALUES (?, ?, ?, ?)");
-    insert.bind_text(1, batch.idempotency_key).bind_blob(2, view(packed.body_hash));
+    insert.bind_text(1, batch.idempotency_key).bind_blob(2, packed.body_hash);
     insert.bind(3, static_cast<std::int64_t>(batch.points.size())).bind(4, version).run();
     return connection_.last_insert_id();
   }

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <map>
 
+#include "db/packing.hpp"
 #include "tests/db/survey_world.hpp"
 
 namespace wayfuse {
@@ -319,6 +321,38 @@ TEST(BuildingDatabase, RefusesZonesThatAreNone) {
   EXPECT_THAT(field_of([](ZoneRecord& z) { z.exit_tolerance_m = -1; }), ::testing::HasSubstr("exit_tolerance_m"));
   EXPECT_THAT(field_of([](ZoneRecord& z) { z.name.clear(); }), ::testing::HasSubstr("name"));
   EXPECT_TRUE(database.zones()->empty());
+}
+
+TEST(BuildingDatabase, VerifiesEveryUploadAgainstItsHash) {
+  const TemporaryFolder folder;
+  {
+    BuildingDatabase database = fresh(folder);
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) ASSERT_TRUE(database.store({sample_batch(seed, 10)}).at(0));
+    const std::uint64_t point = database.points({}).value().at(0).id;
+    ASSERT_EQ(database.erase({.point_id = point}).value(), 1u);
+    const VerifyReport report = database.verify().value();
+    EXPECT_THAT(report.wrong, ::testing::IsEmpty());
+    EXPECT_EQ(report.uploads, 4u);
+    EXPECT_EQ(report.uploads_proven, 3u) << "one has lost a point";
+    EXPECT_EQ(report.points, 39u);
+    EXPECT_EQ(report.transmitters, database.transmitters()->size());
+  }
+  // One bit of one reading's age: no page, layout or count notices it.
+  std::fstream file(folder / "building-7.sqlite", std::ios::in | std::ios::out | std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  const ScanReading& hurt = sample_batch(3, 10).points[5].scans[0].readings[2];
+  Packer packed;
+  packed.u16(hurt.frequency_mhz);
+  packed.u32(static_cast<std::uint32_t>(hurt.age.count()));
+  packed.u48(hurt.bssid.value);
+  const std::size_t at = bytes.find(packed.bytes());
+  ASSERT_NE(at, std::string::npos);
+  file.seekp(static_cast<std::streamoff>(at + 2));
+  file.put(static_cast<char>(bytes[at + 2] ^ 1));
+  file.close();
+  Result<BuildingDatabase> opened = BuildingDatabase::open(folder / "building-7.sqlite", {});
+  ASSERT_TRUE(opened);
+  EXPECT_THAT(opened->verify()->wrong, ::testing::ElementsAre("upload batch-3 is not what was sent: a bit has changed"));
 }
 
 TEST(BuildingDatabase, BacksUpWhileItIsOpen) {

@@ -139,6 +139,45 @@ TEST(DatabaseDirectory, PutsABuildingAsideThatBreaksWhileItRuns) {
   EXPECT_TRUE(std::filesystem::exists(folder / "data/building-1.sqlite.corrupt"));
 }
 
+TEST(DatabaseDirectory, RestoresABuildingFromItsBackup) {
+  const TemporaryFolder folder;
+  const auto directory = opened(folder);
+  ASSERT_TRUE(create(*directory, sample_building(5)));
+  ASSERT_TRUE(store(*directory, {5}, sample_batch(1)));
+  const auto back_up = [&](const char* name) {
+    std::promise<bool> done;
+    directory->with_building({5}, [&](Result<BuildingDatabase*> b) { done.set_value((*b)->back_up_to(folder / name).has_value()); });
+    return done.get_future().get();
+  };
+  const auto restore = [&](DatabaseDirectory& into, const std::string& name) {
+    std::promise<Result<BuildingRecord>> done;
+    into.restore_building(folder / name, [&](Result<BuildingRecord> r) { done.set_value(std::move(r)); });
+    return done.get_future().get();
+  };
+  ASSERT_TRUE(back_up("five.sqlite"));
+  EXPECT_EQ(restore(*directory, "five.sqlite").fault().code, FaultCode::kConflict) << "it is in use";
+  EXPECT_FALSE(restore(*directory, "nothing.sqlite"));
+
+  DatabaseDirectory::Options options;
+  const auto other = std::move(*DatabaseDirectory::open(folder / "other", options));
+  const auto restored = restore(*other, "five.sqlite");
+  ASSERT_TRUE(restored) << to_string(restored.fault());
+  EXPECT_EQ(restored->name, sample_building().name);
+  EXPECT_EQ(count(*other, {5}).value(), 2u);
+  EXPECT_TRUE(store(*other, {5}, sample_batch(2)));
+  EXPECT_THAT(other->buildings(), ::testing::ElementsAre(BuildingId{5}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "other/restoring.sqlite"));
+
+  std::fstream file(folder / "five.sqlite", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(2 * 4096);
+  file << std::string(4096, 'x');
+  file.close();
+  const auto third = std::move(*DatabaseDirectory::open(folder / "third", options));
+  EXPECT_EQ(restore(*third, "five.sqlite").fault().code, FaultCode::kStoreCorrupt);
+  EXPECT_TRUE(third->buildings().empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "third/restoring.sqlite"));
+}
+
 TEST(DatabaseDirectory, ForgetsABuildingWhoseCreationNeverFinished) {
   const TemporaryFolder folder;
   opened(folder)->close();
