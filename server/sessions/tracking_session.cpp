@@ -1,8 +1,9 @@
 #include "server/sessions/tracking_session.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse {
 namespace {
@@ -13,15 +14,7 @@ constexpr double kStillWithin_m = 0.05;
 }  // namespace
 
 bool sound(const FusedPosition& position) {
-  const bool finite = std::isfinite(position.place.point.x_m) && std::isfinite(position.place.point.y_m) &&
-                      std::isfinite(position.covariance.xx_m2) && std::isfinite(position.covariance.xy_m2) &&
-                      std::isfinite(position.covariance.yy_m2) && std::isfinite(position.radius68_m) &&
-                      std::isfinite(position.radius95_m) && std::isfinite(position.heading.radians()) &&
-                      std::isfinite(position.heading_sigma_rad) && std::isfinite(position.speed_mps) &&
-                      std::ranges::all_of(position.floors, [](const auto& floor) { return std::isfinite(floor.probability); });
-  const bool on_earth =
-      !position.geo || (std::isfinite(position.geo->latitude_deg) && std::isfinite(position.geo->longitude_deg));
-  return finite && on_earth && position.radius68_m >= 0 && position.radius95_m >= position.radius68_m;
+  return check(position, "position").has_value() && position.radius95_m >= position.radius68_m;
 }
 
 TrackingSession::TrackingSession(SessionRequest request, std::string name, std::string tracked, std::uint64_t seed,

@@ -64,6 +64,7 @@ Result<void> check(const ReferencePoint& point, std::string_view path) {
 Result<void> check(const GnssFix& fix, std::string_view path) {
   return wire::Checker(path).check(fix);
 }
+Result<void> check(const FusedPosition& position, std::string_view path) { return wire::Checker(path).check(position); }
 Result<void> check(const ClientMessage& message) {
   return wire::Checker("").check(message);
 }

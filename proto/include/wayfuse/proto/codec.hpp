@@ -32,6 +32,8 @@ Result<void> check(const MotionReport& motion, std::string_view path);
 Result<void> check(const RssScan& scan, std::string_view path);
 Result<void> check(const ReferencePoint& point, std::string_view path);
 Result<void> check(const GnssFix& fix, std::string_view path);
+/// Also what a server holds against its own trackers before it says anything [SAFETY C16].
+Result<void> check(const FusedPosition& position, std::string_view path);
 /// Of whole messages, before they are encoded: ranges, counts, texts, consecutive sample numbers (not the encoded size).
 Result<void> check(const ClientMessage& message);
 Result<void> check(const ServerMessage& message);
