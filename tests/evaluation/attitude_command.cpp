@@ -34,7 +34,10 @@ struct Row {
 };
 
 Row row_of(const std::string& estimator, const std::string& group, const std::vector<const TrialScore*>& scores) {
-  Row row{.estimator = estimator, .group = group, .trials = scores.size()};
+  Row row;
+  row.estimator = estimator;
+  row.group = group;
+  row.trials = scores.size();
   std::vector<double> medians;
   const double n = static_cast<double>(scores.size());
   for (const TrialScore* score : scores) {

@@ -46,7 +46,8 @@ std::vector<std::string> csv_files(const std::string& folder) {
 }
 
 Result<Outcome> measure_oxford(const WalkingOptions& options) {
-  Outcome outcome{.title = "Step counts against a foot switch"};
+  Outcome outcome;
+  outcome.title = "Step counts against a foot switch";
   std::map<std::string, std::vector<double>> errors;
   for (const std::string& path : csv_files(options.data)) {
     const auto trial = read_oxford_trial(path);
@@ -75,7 +76,8 @@ Result<Outcome> measure_oxford(const WalkingOptions& options) {
 }
 
 Result<Outcome> measure_still(const WalkingOptions& options) {
-  Outcome outcome{.title = "False steps on hand motion without walking"};
+  Outcome outcome;
+  outcome.title = "False steps on hand motion without walking";
   std::map<std::string, double> steps;
   std::map<std::string, std::vector<double>> rates;
   double minutes = 0.0;
@@ -122,7 +124,8 @@ Result<Outcome> measure_ilc20(const WalkingOptions& options) {
     walks.push_back(std::move(walk).value());
   }
   if (walks.empty()) return Fault{FaultCode::kNotFound, options.data, "holds no walk of split " + options.split};
-  Outcome outcome{.title = "Distance and direction between way points"};
+  Outcome outcome;
+  outcome.title = "Distance and direction between way points";
   std::vector<ValueSeries> series;
   const std::vector<std::string> estimators = heading_estimator_names();
   ProgressBar progress("walks", walks.size() * estimators.size());

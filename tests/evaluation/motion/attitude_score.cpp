@@ -85,7 +85,9 @@ std::vector<NamedEstimator> measured_estimators() {
 
 // Truth at the time of the newest sample fed: what an application would have known then.
 TrialScore score(const NamedEstimator& estimator, const AttitudeTrial& trial, const TrialRun& run) {
-  TrialScore result{.estimator = estimator.name, .trial = trial.name};
+  TrialScore result;
+  result.estimator = estimator.name;
+  result.trial = trial.name;
   const std::vector<MargSample> samples = samples_of(trial, run);
   const auto made = estimator.make();
   if (run.expected) made->expect(*run.expected);
@@ -111,7 +113,9 @@ TrialScore score(const NamedEstimator& estimator, const AttitudeTrial& trial, co
 }
 
 TrialScore score_phone(const AttitudeTrial& trial, const TrialRun& run) {
-  TrialScore result{.estimator = "phone", .trial = trial.name};
+  TrialScore result;
+  result.estimator = "phone";
+  result.trial = trial.name;
   Tally tally;
   auto own = trial.phone.begin();
   const Quaternion to_true = about_up(run.expected ? -run.expected->declination_rad : 0.0);
