@@ -1,6 +1,6 @@
 /* From zero to a moving dot in C: one phone, sensors in, a position out sixty times a second.
  *
- *   cc moving_dot.c $(pkg-config --cflags --libs wayfuse) -o moving_dot && ./moving_dot ws://127.0.0.1:8080/v1/stream KEY 1
+ *   cc moving_dot.c $(pkg-config --cflags --libs wayfuse) -o moving_dot && ./moving_dot ws://127.0.0.1:8420/v1/session KEY 1
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 // From zero to a moving dot in C++: your own loop, your own sensors, a position at any moment.
 //
-//   ./moving_dot ws://127.0.0.1:8080/v1/stream KEY 1
+//   ./moving_dot ws://127.0.0.1:8420/v1/session KEY 1
 #include <cstdio>
 #include <cstdlib>
 #include <random>

@@ -57,7 +57,7 @@ void serve(RawPeer& peer) {
 
 void wait_a_little() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
 
-std::string url_of(const RawServer& server) { return "ws://127.0.0.1:" + std::to_string(server.port()) + "/v1/stream"; }
+std::string url_of(const RawServer& server) { return "ws://127.0.0.1:" + std::to_string(server.port()) + "/v1/session"; }
 
 TEST(WayfuseInC, RefusesNullEverywhere) { EXPECT_STREQ(c_null_is_refused(), nullptr); }
 

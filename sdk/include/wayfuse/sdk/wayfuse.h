@@ -111,7 +111,7 @@ typedef size_t (*wayfuse_token)(void* user, char* into, size_t capacity);
 
 typedef struct wayfuse_options {
   size_t size;
-  wayfuse_text url;               /* wss://host/v1/stream; ws:// on loopback only, unless allow_plain */
+  wayfuse_text url;               /* wss://host/v1/session; ws:// on loopback only, unless allow_plain */
   wayfuse_text token;             /* a key or session token that does not change; or on_token */
   wayfuse_text device_model;
   wayfuse_text app;
