@@ -5,6 +5,7 @@
 #include "server/locating/nearest_neighbours.hpp"
 #include "server/locating/probabilistic.hpp"
 #include "server/locating/propagation.hpp"
+#include "server/locating/radio_field.hpp"
 #include "server/locating/trilateration.hpp"
 
 namespace wayfuse {
@@ -50,6 +51,17 @@ std::shared_ptr<const LocatorModel> propagation(const LocatingSite& site, const 
   return std::make_shared<Propagation>(site.map, PropagationSettings{s["cell_m"], s.count("strongest")});
 }
 
+const RadioFieldSettings kField;
+
+std::shared_ptr<const LocatorModel> radio_field(const LocatingSite& site, const PartSettings& s) {
+  RadioFieldSettings settings;
+  settings.strength.power = s["power"];
+  settings.neutral = s["neutral"];
+  settings.floor_gain = s["floor_gain"];
+  settings.learn = s.on("learn");
+  return std::make_shared<RadioField>(site.survey, settings);
+}
+
 }  // namespace
 
 std::span<const LocatorRow> locator_catalogue() {
@@ -75,6 +87,12 @@ std::span<const LocatorRow> locator_catalogue() {
                   {{"cell_m", 1, 0.25, 10, "of the modelled map; smaller is slower", "[P1]"},
                    {"strongest", 16, 1, 64, "transmitters used, the strongest first", "[P1]", true}}},
                  propagation},
+      LocatorRow{{"locator", "radio-field", "a field of likelihood over merged radios: Sorensen times cosine, weights learnt from the survey",
+                  {{"power", kField.strength.power, 0.5, 8, "of the level's representation; larger listens to near transmitters only", "-"},
+                   {"neutral", kField.neutral, 0.001, 10, "kernel mass of unsurveyed ground; larger trusts sparse surveys less", "-"},
+                   {"floor_gain", kField.floor_gain, 0, 100, "log odds of floors a unit of distance; larger makes errors stick", "-"},
+                   {"learn", 1, 0, 1, "0: the weights stay as they are written", "-", true}}},
+                 radio_field, true, false, true},
   };
   return rows;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "wayfuse/proto/fix.hpp"
+#include "wayfuse/proto/random.hpp"
 #include "wayfuse/proto/scan.hpp"
 
 namespace wayfuse {
@@ -42,6 +43,13 @@ class Locator {
   /// Adds log p(scan | point) on `floor`, up to a constant of the scan, to `log_likelihood`. All spans have the same length.
   virtual void add_log_likelihood(std::span<const float> /*x_m*/, std::span<const float> /*y_m*/, FloorOrdinal /*floor*/,
                                   std::span<float> /*log_likelihood*/) const {}
+
+  /// Draws places from p(place | scan) on `floor`; false when the locator cannot, and nothing is written.
+  virtual bool draw(FloorOrdinal /*floor*/, Random& /*random*/, std::span<float> /*x_m*/, std::span<float> /*y_m*/) { return false; }
+  /// How long before its arrival the newest scan's readings were heard, as the locator weighs them.
+  virtual Duration heard_before() const { return Duration{0}; }
+  /// Nobody asks about the newest scan any more: its memory may go back.
+  virtual void rest() {}
 
   /// Where the tracker believes the newest scan was heard: lets a locator learn online ([P3 algorithm 2]).
   virtual void learn(const RssScan& /*scan*/, const Place& /*fused*/) {}

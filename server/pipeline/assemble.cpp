@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "server/locating/catalogue.hpp"
+#include "server/pipeline/field_tracker.hpp"
 #include "server/pipeline/fusion_tracker.hpp"
 #include "server/pipeline/part_roles.hpp"
 #include "server/pipeline/tracker.hpp"
@@ -231,11 +232,37 @@ Result<std::string> add_corrector(const Assembly& spec, PipelineParts& parts, st
   return parts.corrector->to_json();
 }
 
+/// The filter `walkers` is a whole tracker: it takes a locator with a likelihood and brings everything else.
+Result<std::shared_ptr<const TrackerFactory>> assemble_walkers(const PipelineSpec& spec, const Assembly& assembly,
+                                                               std::shared_ptr<const Site> site) {
+  for (const auto& [role, choice] : spec.parts) {
+    if (role != "locator" && role != "filter") return clash("parts." + role, "the filter `walkers` brings its own " + role);
+  }
+  const Chosen locator = assembly.chosen("locator");
+  const LocatorRow& row = row_of(locator_catalogue(), locator.part);
+  if (!row.gives_likelihood) return clash("parts.locator", "the filter `walkers` needs a likelihood; `" + locator.part + "` gives none");
+  auto parts = std::make_shared<FieldTrackerParts>();
+  parts->origin = frame_origin(*site);
+  const Framed framed(*site, parts->origin);
+  const auto map = RadioMap::build(framed.survey);
+  parts->empty_map = map->empty();
+  parts->locator = row.prepare({map, framed.survey, framed.floors}, locator.settings);
+  std::vector<Place> trodden;
+  for (const ReferencePoint& point : framed.survey) {
+    if (std::isfinite(point.place.point.x_m) && std::isfinite(point.place.point.y_m)) trodden.push_back(point.place);
+  }
+  parts->settings = field_tracker_settings(assembly.chosen("filter").settings);
+  if (parts->settings.walkable) parts->walkable = WalkableArea(framed.floors, trodden);
+  parts->site = std::move(site);
+  return make_field_pipeline(spec, std::move(parts));
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec, std::shared_ptr<const Site> site) {
   if (auto checked = check(spec); !checked) return checked.fault();
   const Assembly assembly(spec);
+  if (assembly.chosen("filter").part == "walkers") return assemble_walkers(spec, assembly, std::move(site));
   if (auto fitting = fits(assembly); !fitting) return fitting.fault();
   auto parts = prepare(assembly, std::move(site));
   std::vector<std::string> remarks;

@@ -1,0 +1,111 @@
+#include "server/locating/field_learning.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace wayfuse {
+namespace {
+
+constexpr int kRounds = 8;
+constexpr double kPriorSigma = 6.0;      // of a weight, about its standard value
+constexpr double kLeastWeight = 1.0;
+constexpr double kMostWeight = 100.0;
+constexpr float kCovered_m = 3.0f;       // a scan with no other walk this near cannot be told anything by the field
+constexpr double kIrrelevant = -16.0;
+
+struct Question {
+  std::vector<RadioField::Pair> nodes;   // of the query's floor, surveyed ones only
+  std::size_t truth = 0;
+};
+
+bool covered(const RadioField& field, const RadioField::Storey& storey, const SurveyQuery& query) {
+  for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+    const SurveyFingerprint& fingerprint = field.fingerprints()[i];
+    if (fingerprint.walk != query.walk && distance_m(fingerprint.place.point, query.place.point) < kCovered_m) return true;
+  }
+  return false;
+}
+
+bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch& scratch, Question& question) {
+  const auto storey = std::ranges::find(field.storeys(), query.place.floor, &RadioField::Storey::floor);
+  if (storey == field.storeys().end() || !covered(field, *storey, query)) return false;
+  float sum = 0.0f, squares = 0.0f;
+  for (const RadioStrength& heard : query.heard) sum += heard.strength, squares += heard.strength * heard.strength;
+  field.match(query.heard, sum, std::sqrt(squares), scratch);
+  field.expose(*storey, scratch);
+  const auto column = static_cast<int>(std::lround((static_cast<float>(query.place.point.x_m) - storey->x_m) / RadioField::kLattice_m));
+  const auto row = static_cast<int>(std::lround((static_cast<float>(query.place.point.y_m) - storey->y_m) / RadioField::kLattice_m));
+  if (column < 0 || row < 0 || column >= storey->columns || row >= storey->rows) return false;
+  const std::uint32_t truth = storey->first_node + static_cast<std::uint32_t>(row * storey->columns + column);
+  const std::uint32_t end = storey->first_node + static_cast<std::uint32_t>(storey->columns * storey->rows);
+  question.nodes.clear();
+  for (std::uint32_t node = storey->first_node; node < end; ++node) {
+    if (node == truth) question.truth = question.nodes.size();
+    else if (field.kernels(node).empty()) continue;
+    question.nodes.push_back(field.node(node, scratch, query.walk));
+  }
+  return true;
+}
+
+/// Gradient and Hessian of the log-likelihood in (sorensen, cosine).
+struct Slope {
+  std::array<double, 2> gradient{};
+  std::array<double, 3> curvature{};     // ss sc cc, of minus the log-likelihood
+
+  void add(const Question& question, const std::array<double, 2>& weight) {
+    const auto level = [&](const RadioField::Pair& p) {
+      return weight[0] * static_cast<double>(p.sorensen) + weight[1] * static_cast<double>(p.cosine);
+    };
+    double highest = -INFINITY;
+    for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level(pair));
+    double total = 0.0, s = 0.0, c = 0.0, ss = 0.0, sc = 0.0, cc = 0.0;
+    for (const RadioField::Pair& pair : question.nodes) {
+      const double log_share = level(pair) - highest;
+      if (log_share < kIrrelevant) continue;
+      const double share = std::exp(log_share), a = static_cast<double>(pair.sorensen), b = static_cast<double>(pair.cosine);
+      total += share, s += share * a, c += share * b, ss += share * a * a, sc += share * a * b, cc += share * b * b;
+    }
+    s /= total, c /= total;
+    gradient[0] += static_cast<double>(question.nodes[question.truth].sorensen) - s;
+    gradient[1] += static_cast<double>(question.nodes[question.truth].cosine) - c;
+    curvature[0] += ss / total - s * s;
+    curvature[1] += sc / total - s * c;
+    curvature[2] += cc / total - c * c;
+  }
+};
+
+}  // namespace
+
+FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
+  FieldWeights learnt = field.weights();
+  const FieldWeights standard;
+  const std::size_t step = std::max<std::size_t>(1, field.queries().size() / most_queries);
+  std::vector<Question> questions;
+  {
+    const auto scratch = field.borrow();
+    Question question;
+    for (std::size_t i = 0; i < field.queries().size(); i += step) {
+      if (ask(field, field.queries()[i], *scratch, question)) questions.push_back(question);
+    }
+  }
+  std::array<double, 2> weight = {learnt.sorensen, learnt.cosine};
+  const std::array<double, 2> prior = {standard.sorensen, standard.cosine};
+  for (int round = 0; round < kRounds && !questions.empty(); ++round) {
+    Slope slope;
+    for (const Question& question : questions) slope.add(question, weight);
+    // The questions of one walk are answered alike: count them as a fifth of their number against the prior.
+    const double precision = 5.0 / (kPriorSigma * kPriorSigma);
+    for (int k = 0; k < 2; ++k) slope.gradient[k] -= precision * (weight[k] - prior[k]);
+    const double a = slope.curvature[0] + precision, b = slope.curvature[1], d = slope.curvature[2] + precision;
+    const double determinant = a * d - b * b;
+    weight[0] += (d * slope.gradient[0] - b * slope.gradient[1]) / determinant;
+    weight[1] += (a * slope.gradient[1] - b * slope.gradient[0]) / determinant;
+    for (double& each : weight) each = std::clamp(each, kLeastWeight, kMostWeight);
+  }
+  learnt.sorensen = weight[0];
+  learnt.cosine = weight[1];
+  return learnt;
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,213 @@
+#include "server/locating/radio_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/locating/field_learning.hpp"
+#include "server/locating/radio_field_locator.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr float kLeastMass = 0.01f;      // of a kernel: three sigmas away
+constexpr std::size_t kMiddleSamples = 40;
+constexpr std::size_t kMostSpare = 64;
+
+float median(std::vector<float>& values) {
+  if (values.empty()) return 1.0f;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+}  // namespace
+
+RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldSettings& settings) : settings_(settings) {
+  const auto read = [&] {
+    take(read_survey(survey, {.strength = settings_.strength, .delay_s = weights_.delay_s, .spacing_s = settings_.spacing_s}));
+  };
+  read();
+  if (!settings_.learn || queries_.empty()) return;
+  weights_ = learn_weights(*this);
+  lay_lattice();
+}
+
+std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<RadioFieldLocator>(shared_from_this()); }
+
+void RadioField::take(SurveyReading reading) {
+  radios_ = std::move(reading.radios);
+  fingerprints_ = std::move(reading.fingerprints);
+  queries_ = std::move(reading.queries);
+  std::ranges::stable_sort(fingerprints_, {}, [](const SurveyFingerprint& f) { return f.place.floor; });
+  storeys_.clear();
+  for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
+    const FloorOrdinal floor = fingerprints_[i].place.floor;
+    if (storeys_.empty() || storeys_.back().floor != floor) storeys_.push_back({.floor = floor, .begin = i});
+    storeys_.back().end = i + 1;
+  }
+  index_fingerprints();
+  lay_lattice();
+  find_middles();
+}
+
+void RadioField::index_fingerprints() {
+  sum_.assign(fingerprints_.size(), 0.0f);
+  norm_.assign(fingerprints_.size(), 0.0f);
+  first_posting_.assign(radios_.size() + 1, 0);
+  for (const SurveyFingerprint& fingerprint : fingerprints_) {
+    for (const RadioStrength& heard : fingerprint.heard) first_posting_[heard.radio + 1]++;
+  }
+  for (std::size_t r = 1; r < first_posting_.size(); ++r) first_posting_[r] += first_posting_[r - 1];
+  postings_.resize(first_posting_.back());
+  std::vector<std::uint32_t> next(first_posting_.begin(), first_posting_.end() - 1);
+  for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
+    for (const RadioStrength& heard : fingerprints_[i].heard) {
+      postings_[next[heard.radio]++] = {i, heard.strength};
+      sum_[i] += heard.strength;
+      norm_[i] += heard.strength * heard.strength;
+    }
+    norm_[i] = std::sqrt(norm_[i]);
+  }
+}
+
+void RadioField::lay_lattice() {
+  const auto bandwidth_m = static_cast<float>(weights_.bandwidth_m);
+  const float reach_m = bandwidth_m * std::sqrt(-2.0f * std::log(kLeastMass));
+  std::uint32_t nodes = 0;
+  for (Storey& storey : storeys_) {
+    float low_x = INFINITY, low_y = INFINITY, high_x = -INFINITY, high_y = -INFINITY;
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+      const BuildingPoint p = fingerprints_[i].place.point;
+      low_x = std::min(low_x, static_cast<float>(p.x_m)), high_x = std::max(high_x, static_cast<float>(p.x_m));
+      low_y = std::min(low_y, static_cast<float>(p.y_m)), high_y = std::max(high_y, static_cast<float>(p.y_m));
+    }
+    storey.x_m = low_x - reach_m - kLattice_m;
+    storey.y_m = low_y - reach_m - kLattice_m;
+    storey.columns = static_cast<int>((high_x + reach_m + kLattice_m - storey.x_m) / kLattice_m) + 2;
+    storey.rows = static_cast<int>((high_y + reach_m + kLattice_m - storey.y_m) / kLattice_m) + 2;
+    storey.first_node = nodes;
+    nodes += static_cast<std::uint32_t>(storey.columns) * static_cast<std::uint32_t>(storey.rows);
+  }
+  const auto near_nodes = [&](const auto& each) {
+    for (const Storey& storey : storeys_) {
+      for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+        const auto x = (static_cast<float>(fingerprints_[i].place.point.x_m) - storey.x_m) / kLattice_m;
+        const auto y = (static_cast<float>(fingerprints_[i].place.point.y_m) - storey.y_m) / kLattice_m;
+        const float reach = reach_m / kLattice_m;
+        for (int row = static_cast<int>(std::ceil(y - reach)); static_cast<float>(row) <= y + reach; ++row) {
+          for (int column = static_cast<int>(std::ceil(x - reach)); static_cast<float>(column) <= x + reach; ++column) {
+            const float dx_m = (static_cast<float>(column) - x) * kLattice_m;
+            const float dy_m = (static_cast<float>(row) - y) * kLattice_m;
+            const float mass = std::exp(-(dx_m * dx_m + dy_m * dy_m) / (2.0f * bandwidth_m * bandwidth_m));
+            if (mass < kLeastMass) continue;
+            each(storey.first_node + static_cast<std::uint32_t>(row * storey.columns + column), Kernel{i, mass});
+          }
+        }
+      }
+    }
+  };
+  first_kernel_.assign(nodes + 1, 0);
+  near_nodes([&](std::uint32_t node, const Kernel&) { first_kernel_[node + 1]++; });
+  for (std::size_t n = 1; n < first_kernel_.size(); ++n) first_kernel_[n] += first_kernel_[n - 1];
+  kernels_.resize(first_kernel_.back());
+  std::vector<std::uint32_t> next(first_kernel_.begin(), first_kernel_.end() - 1);
+  near_nodes([&](std::uint32_t node, const Kernel& kernel) { kernels_[next[node]++] = kernel; });
+  const std::lock_guard lock(mutex_);
+  spare_.clear();
+}
+
+// The middle of the distances between unrelated places: what "no information" looks like in this building.
+void RadioField::find_middles() {
+  const auto scratch = borrow();
+  std::vector<float> sorensen, cosine;
+  for (Storey& storey : storeys_) {
+    sorensen.clear(), cosine.clear();
+    const std::uint32_t step = std::max<std::uint32_t>(1, (storey.end - storey.begin) / kMiddleSamples);
+    for (std::uint32_t i = storey.begin; i < storey.end; i += step) {
+      match(fingerprints_[i].heard, sum_[i], norm_[i], *scratch);
+      for (std::uint32_t j = storey.begin; j < storey.end; ++j) {
+        if (fingerprints_[j].walk == fingerprints_[i].walk) continue;
+        sorensen.push_back(scratch->sorensen[j]);
+        cosine.push_back(scratch->cosine[j]);
+      }
+    }
+    storey.sorensen_middle = median(sorensen);
+    storey.cosine_middle = median(cosine);
+  }
+}
+
+void RadioField::match(std::span<const RadioStrength> heard, float sum, float norm, Scratch& scratch) const {
+  std::ranges::fill(scratch.common, 0.0f);
+  std::ranges::fill(scratch.product, 0.0f);
+  for (const RadioStrength& level : heard) {
+    const std::span<const Posting> postings(postings_.data() + first_posting_[level.radio],
+                                            first_posting_[level.radio + 1] - first_posting_[level.radio]);
+    for (const Posting& posting : postings) {
+      scratch.common[posting.fingerprint] += std::min(level.strength, posting.strength);
+      scratch.product[posting.fingerprint] += level.strength * posting.strength;
+    }
+  }
+  for (std::size_t i = 0; i < fingerprints_.size(); ++i) {
+    scratch.sorensen[i] = 1.0f - 2.0f * scratch.common[i] / (sum + sum_[i]);
+    scratch.cosine[i] = 1.0f - scratch.product[i] / (norm * norm_[i]);
+  }
+  if (++scratch.scan == 0) {  // numbers ran out: no stale node may look fresh
+    std::ranges::fill(scratch.known, 0u);
+    scratch.scan = 1;
+  }
+}
+
+void RadioField::expose(const Storey& storey, Scratch& scratch) const {
+  const auto sorensen = static_cast<float>(settings_.sorensen_sharpness);
+  const auto cosine = static_cast<float>(settings_.cosine_sharpness);
+  for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+    scratch.common[i] = std::exp(-sorensen * (scratch.sorensen[i] - storey.sorensen_middle));
+    scratch.product[i] = std::exp(-cosine * (scratch.cosine[i] - storey.cosine_middle));
+  }
+}
+
+RadioField::Pair RadioField::node(std::uint32_t number, const Scratch& scratch, int without_walk) const {
+  const auto neutral = static_cast<float>(settings_.neutral);
+  float mass = neutral, sorensen = neutral, cosine = neutral;
+  if (without_walk < 0) {
+    for (const Kernel& kernel : kernels(number)) {
+      mass += kernel.mass;
+      sorensen += kernel.mass * scratch.common[kernel.fingerprint];
+      cosine += kernel.mass * scratch.product[kernel.fingerprint];
+    }
+  } else {
+    for (const Kernel& kernel : kernels(number)) {
+      if (fingerprints_[kernel.fingerprint].walk == without_walk) continue;
+      mass += kernel.mass;
+      sorensen += kernel.mass * scratch.common[kernel.fingerprint];
+      cosine += kernel.mass * scratch.product[kernel.fingerprint];
+    }
+  }
+  return {std::log(sorensen / mass) / static_cast<float>(settings_.sorensen_sharpness),
+          std::log(cosine / mass) / static_cast<float>(settings_.cosine_sharpness)};
+}
+
+std::unique_ptr<RadioField::Scratch> RadioField::borrow() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!spare_.empty()) {
+      auto scratch = std::move(spare_.back());
+      spare_.pop_back();
+      return scratch;
+    }
+  }
+  auto scratch = std::make_unique<Scratch>();
+  for (auto* column : {&scratch->common, &scratch->product, &scratch->sorensen, &scratch->cosine}) {
+    column->resize(fingerprints_.size());
+  }
+  scratch->level.resize(nodes());
+  scratch->known.resize(nodes());
+  return scratch;
+}
+
+void RadioField::give_back(std::unique_ptr<Scratch> scratch) const {
+  const std::lock_guard lock(mutex_);
+  if (spare_.size() < kMostSpare && scratch->known.size() == nodes()) spare_.push_back(std::move(scratch));
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/locating/catalogue.hpp"
+#include "server/locating/survey_fingerprints.hpp"
+
+namespace wayfuse {
+
+/// What the field learns from a building's own survey, walk against the other walks (field_learning.hpp).
+struct FieldWeights {
+  double sorensen = 22.0;          ///< weight of the Sorensen field in the log-likelihood
+  double cosine = 12.0;            ///< of the cosine field: what carries a phone with another gain
+  double bandwidth_m = 3.5;        ///< of the kernel that spreads a fingerprint over its surroundings
+  double delay_s = 2.0;            ///< how much later than its stamp a reading belongs
+};
+
+struct RadioFieldSettings {
+  ReadingStrength strength;
+  double sorensen_sharpness = 30.0;  ///< larger lets the best fingerprint near a point speak alone
+  double cosine_sharpness = 25.0;
+  double neutral = 0.2;            ///< kernel mass of unsurveyed ground, which says neither yes nor no
+  double floor_gain = 10.0;        ///< log odds of floors a unit of Sorensen distance; larger makes errors stick
+  bool learn = true;               ///< weights, bandwidth and delay from the survey; otherwise FieldWeights as they stand
+  double spacing_s = 2.0;          ///< between fingerprints of a survey walk
+};
+
+/// The survey as a field of likelihood: how well a scan fits what is heard about a point.
+///
+/// Two distances between a scan and every fingerprint, over radios instead of addresses: Sorensen's, and the cosine of the
+/// angle, both on the powed representation [Torres-Sospedra et al. 2015]. Each becomes a field by a log mean of
+/// exponentials under a Gaussian kernel, `L(x) = 1/b log((sum K e^{-b (d - m)} + n) / (sum K + n))`: the best fingerprints
+/// near x count, unsurveyed ground is neutral. Fields are sums over a 2 m lattice, evaluated only where somebody asks.
+/// Immutable and thread-safe.
+class RadioField final : public LocatorModel, public std::enable_shared_from_this<RadioField> {
+ public:
+  RadioField(std::span<const ReferencePoint> survey, const RadioFieldSettings& settings);
+  std::unique_ptr<Locator> make() const override;
+
+  /// Fingerprints of one floor, and the lattice over them.
+  struct Storey {
+    FloorOrdinal floor;
+    std::uint32_t begin = 0;         ///< its fingerprints are begin .. end - 1
+    std::uint32_t end = 0;
+    float x_m = 0.0f;                ///< of node (0, 0)
+    float y_m = 0.0f;
+    int columns = 0;
+    int rows = 0;
+    std::uint32_t first_node = 0;    ///< among all storeys' nodes
+    float sorensen_middle = 1.0f;    ///< median distance between fingerprints of different walks
+    float cosine_middle = 1.0f;
+  };
+  struct Kernel {
+    std::uint32_t fingerprint = 0;
+    float mass = 0.0f;
+  };
+  static constexpr float kLattice_m = 2.0f;
+
+  const RadioFieldSettings& settings() const { return settings_; }
+  const FieldWeights& weights() const { return weights_; }
+  const RadioNames& radios() const { return radios_; }
+  std::span<const Storey> storeys() const { return storeys_; }
+  std::span<const SurveyFingerprint> fingerprints() const { return fingerprints_; }
+  std::span<const SurveyQuery> queries() const { return queries_; }
+  std::uint32_t nodes() const { return static_cast<std::uint32_t>(first_kernel_.size()) - 1; }
+  std::span<const Kernel> kernels(std::uint32_t node) const {
+    return {kernels_.data() + first_kernel_[node], first_kernel_[node + 1] - first_kernel_[node]};
+  }
+
+  /// Memory one scan's matching needs; borrowed for the time it takes.
+  struct Scratch {
+    std::vector<float> common;       ///< a fingerprint: sum of the smaller strengths; then e^{-b (d - m)}
+    std::vector<float> product;      ///< a fingerprint: scalar product; then the same of the cosine
+    std::vector<float> sorensen;     ///< a fingerprint: distances
+    std::vector<float> cosine;
+    std::vector<float> level;        ///< a node: log-likelihood, where `known` says so
+    std::vector<std::uint32_t> known;  ///< a node: number of the scan it was evaluated for
+    std::uint32_t scan = 0;
+  };
+  std::unique_ptr<Scratch> borrow() const;
+  void give_back(std::unique_ptr<Scratch> scratch) const;
+
+  /// Both distances from `heard` to every fingerprint. `sum` and `norm` are over everything heard, unknown radios too.
+  void match(std::span<const RadioStrength> heard, float sum, float norm, Scratch& scratch) const;
+  /// e^{-b (d - m)} of a storey's fingerprints, ready for node().
+  void expose(const Storey& storey, Scratch& scratch) const;
+  /// Log-likelihood at a node, with fingerprints of `without_walk` left out (-1: none). After expose().
+  struct Pair {
+    float sorensen;
+    float cosine;
+  };
+  Pair node(std::uint32_t number, const Scratch& scratch, int without_walk = -1) const;
+
+ private:
+  void index_fingerprints();
+  void lay_lattice();
+  void find_middles();
+  void take(SurveyReading reading);
+
+  RadioFieldSettings settings_;
+  FieldWeights weights_;
+  RadioNames radios_;
+  std::vector<SurveyFingerprint> fingerprints_;  // ascending by floor
+  std::vector<SurveyQuery> queries_;
+  std::vector<Storey> storeys_;
+  std::vector<float> sum_;                       // a fingerprint
+  std::vector<float> norm_;
+  std::vector<std::uint32_t> first_posting_;     // a radio, and one past the end
+  struct Posting {
+    std::uint32_t fingerprint;
+    float strength;
+  };
+  std::vector<Posting> postings_;
+  std::vector<std::uint32_t> first_kernel_;      // a node, and one past the end
+  std::vector<Kernel> kernels_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::unique_ptr<Scratch>> spare_;
+};
+
+}  // namespace wayfuse

@@ -1,0 +1,185 @@
+#include "server/locating/radio_field_locator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace wayfuse {
+namespace {
+constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
+constexpr std::size_t kVoters = 8;       // best fingerprints that speak for a floor
+}  // namespace
+
+RadioFieldLocator::RadioFieldLocator(std::shared_ptr<const RadioField> field) : field_(std::move(field)) {}
+
+RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
+    : field_(other.field_),
+      scratch_(other.scratch_ ? std::make_unique<RadioField::Scratch>(*other.scratch_) : nullptr),
+      rows_(other.rows_),
+      heard_(other.heard_),
+      sum_(other.sum_),
+      norm_(other.norm_),
+      exposed_(other.exposed_),
+      best_(other.best_),
+      floors_(other.floors_),
+      known_(other.known_),
+      unknown_(other.unknown_),
+      heard_before_(other.heard_before_) {}
+
+RadioFieldLocator::~RadioFieldLocator() { RadioFieldLocator::rest(); }
+
+void RadioFieldLocator::rest() {
+  if (scratch_) field_->give_back(std::move(scratch_));
+}
+
+// Readings to radios: members heard together are averaged, older ones of the same radio fall behind.
+bool RadioFieldLocator::listen(const RssScan& scan) {
+  const ReadingStrength& strength = field_->settings().strength;
+  rows_.clear();
+  for (const ScanReading& reading : scan.readings) {
+    const double age_s = seconds(reading.age);
+    if (age_s < 0.0 || age_s > strength.most_age_s || !std::isfinite(reading.rss_dbm)) continue;
+    rows_.push_back({RadioNames::key(reading), static_cast<float>(age_s), static_cast<float>(reading.rss_dbm)});
+  }
+  std::ranges::sort(rows_, [](const Row& a, const Row& b) { return a.key != b.key ? a.key < b.key : a.age_s < b.age_s; });
+  heard_.clear();
+  double sum = 0.0, squares = 0.0, ages = 0.0;
+  known_ = unknown_ = 0;
+  for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
+    double level = 0.0;
+    int members = 0;
+    for (end = begin; end < rows_.size() && rows_[end].key == rows_[begin].key; ++end) {
+      if (rows_[end].age_s > rows_[begin].age_s + kTogetherS) continue;
+      level += static_cast<double>(rows_[end].rss_dbm);
+      ++members;
+    }
+    const float value = strength.of(level / members, static_cast<double>(rows_[begin].age_s));
+    if (value <= 0.0f) continue;
+    sum += static_cast<double>(value);
+    squares += static_cast<double>(value) * static_cast<double>(value);
+    ages += static_cast<double>(value * rows_[begin].age_s);
+    if (const auto radio = field_->radios().find(rows_[begin].key)) {
+      heard_.push_back({*radio, value});
+      ++known_;
+    } else {
+      ++unknown_;
+    }
+  }
+  sum_ = static_cast<float>(sum);
+  norm_ = static_cast<float>(std::sqrt(squares));
+  if (sum > 0.0) heard_before_ = from_seconds(std::max(0.0, ages / sum - field_->weights().delay_s));
+  return !heard_.empty();
+}
+
+std::optional<Fix> RadioFieldLocator::locate(const RssScan& scan) {
+  if (!listen(scan)) return std::nullopt;
+  if (!scratch_) scratch_ = field_->borrow();
+  field_->match(heard_, sum_, norm_, *scratch_);
+  exposed_.assign(field_->storeys().size(), 0);
+  vote();
+  const RadioField::Storey* best = storey(floors_.front().floor);
+  double weight = 0.0, x = 0.0, y = 0.0, squares = 0.0;
+  float highest = -INFINITY;
+  for (std::uint32_t i = best->begin; i < best->end; ++i) highest = std::max(highest, resemblance(i));
+  for (std::uint32_t i = best->begin; i < best->end; ++i) {
+    const double share = std::exp(static_cast<double>(resemblance(i) - highest));
+    const BuildingPoint p = field_->fingerprints()[i].place.point;
+    weight += share, x += share * p.x_m, y += share * p.y_m, squares += share * (p.x_m * p.x_m + p.y_m * p.y_m);
+  }
+  x /= weight, y /= weight;
+  const double spread = std::sqrt(std::max(0.0, (squares / weight - x * x - y * y) / 2.0));
+  return Fix{{{x, y}, best->floor}, std::hypot(spread, field_->weights().bandwidth_m), known_};
+}
+
+float RadioFieldLocator::resemblance(std::uint32_t fingerprint) const {
+  return -static_cast<float>(field_->weights().sorensen) * scratch_->sorensen[fingerprint] -
+         static_cast<float>(field_->weights().cosine) * scratch_->cosine[fingerprint];
+}
+
+// A floor's score is the mean of its smallest Sorensen distances, unknown radios charged.
+void RadioFieldLocator::vote() {
+  floors_.clear();
+  best_.clear();
+  for (const RadioField::Storey& each : field_->storeys()) {
+    std::array<float, kVoters> smallest;
+    smallest.fill(1.0f);
+    for (std::uint32_t i = each.begin; i < each.end; ++i) {
+      const float distance = scratch_->sorensen[i];
+      if (distance >= smallest.back()) continue;
+      std::size_t at = kVoters - 1;
+      for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
+      smallest[at] = distance;
+    }
+    best_.push_back(std::accumulate(smallest.begin(), smallest.end(), 0.0f) / static_cast<float>(kVoters));
+  }
+  const float least = std::ranges::min(best_);
+  double total = 0.0;
+  for (std::size_t s = 0; s < best_.size(); ++s) {
+    const double vote = std::exp(-field_->settings().floor_gain * static_cast<double>(best_[s] - least));
+    floors_.push_back({field_->storeys()[s].floor, vote});
+    total += vote;
+  }
+  for (FloorProbability& each : floors_) each.probability /= total;
+  std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+}
+
+const RadioField::Storey* RadioFieldLocator::storey(FloorOrdinal floor) const {
+  const auto found = std::ranges::find(field_->storeys(), floor, &RadioField::Storey::floor);
+  return found == field_->storeys().end() ? nullptr : &*found;
+}
+
+float RadioFieldLocator::node(const RadioField::Storey& storey, int column, int row) const {
+  if (column < 0 || row < 0 || column >= storey.columns || row >= storey.rows) return 0.0f;  // neutral
+  const auto number = storey.first_node + static_cast<std::uint32_t>(row * storey.columns + column);
+  if (scratch_->known[number] != scratch_->scan) {
+    const RadioField::Pair pair = field_->node(number, *scratch_);
+    scratch_->level[number] = static_cast<float>(field_->weights().sorensen) * pair.sorensen +
+                              static_cast<float>(field_->weights().cosine) * pair.cosine;
+    scratch_->known[number] = scratch_->scan;
+  }
+  return scratch_->level[number];
+}
+
+void RadioFieldLocator::add_log_likelihood(std::span<const float> x_m, std::span<const float> y_m, FloorOrdinal floor,
+                                           std::span<float> log_likelihood) const {
+  const RadioField::Storey* on = storey(floor);
+  if (!on || !scratch_) return;
+  const auto number = static_cast<std::size_t>(on - field_->storeys().data());
+  if (!exposed_[number]) {
+    field_->expose(*on, *scratch_);
+    exposed_[number] = 1;
+  }
+  for (std::size_t i = 0; i < x_m.size(); ++i) {
+    const float x = (x_m[i] - on->x_m) / RadioField::kLattice_m;
+    const float y = (y_m[i] - on->y_m) / RadioField::kLattice_m;
+    if (!(x > -1.0f && y > -1.0f && x < static_cast<float>(on->columns) && y < static_cast<float>(on->rows))) continue;
+    const auto column = static_cast<int>(std::floor(x));
+    const auto row = static_cast<int>(std::floor(y));
+    const float right = x - static_cast<float>(column);
+    const float up = y - static_cast<float>(row);
+    log_likelihood[i] += (1.0f - up) * ((1.0f - right) * node(*on, column, row) + right * node(*on, column + 1, row)) +
+                         up * ((1.0f - right) * node(*on, column, row + 1) + right * node(*on, column + 1, row + 1));
+  }
+}
+
+// A fingerprint by its resemblance, then a step as far as its kernel reaches: what the field is made of, drawn directly.
+bool RadioFieldLocator::draw(FloorOrdinal floor, Random& random, std::span<float> x_m, std::span<float> y_m) {
+  const RadioField::Storey* on = storey(floor);
+  if (!on || !scratch_) return false;
+  float highest = -INFINITY;
+  for (std::uint32_t i = on->begin; i < on->end; ++i) highest = std::max(highest, resemblance(i));
+  cumulated_.clear();
+  float total = 0.0f;
+  for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated_.push_back(total += std::exp(resemblance(i) - highest));
+  for (std::size_t k = 0; k < x_m.size(); ++k) {
+    const auto at = std::ranges::upper_bound(cumulated_, static_cast<float>(random.uniform()) * total) - cumulated_.begin();
+    const auto drawn = on->begin + std::min<std::uint32_t>(static_cast<std::uint32_t>(at), on->end - on->begin - 1);
+    const BuildingPoint p = field_->fingerprints()[drawn].place.point;
+    x_m[k] = static_cast<float>(p.x_m + field_->weights().bandwidth_m * random.normal());
+    y_m[k] = static_cast<float>(p.y_m + field_->weights().bandwidth_m * random.normal());
+  }
+  return true;
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "server/locating/radio_field.hpp"
+
+namespace wayfuse {
+
+/// One session's view of a RadioField: the newest scan matched against it.
+///
+/// Cost of a scan: the postings of the radios heard, then the lattice nodes around the particles. Between scans (after rest())
+/// it holds no more than a few hundred bytes. Thread: confined to one session.
+class RadioFieldLocator final : public Locator {
+ public:
+  explicit RadioFieldLocator(std::shared_ptr<const RadioField> field);
+  RadioFieldLocator(const RadioFieldLocator& other);
+  ~RadioFieldLocator() override;
+  std::unique_ptr<Locator> clone() const override { return std::make_unique<RadioFieldLocator>(*this); }
+
+  std::optional<Fix> locate(const RssScan& scan) override;
+  std::span<const FloorProbability> floors() const override { return floors_; }
+  int transmitters_known() const override { return known_; }
+  int transmitters_unknown() const override { return unknown_; }
+  bool has_likelihood() const override { return true; }
+  void add_log_likelihood(std::span<const float> x_m, std::span<const float> y_m, FloorOrdinal floor,
+                          std::span<float> log_likelihood) const override;
+  bool draw(FloorOrdinal floor, Random& random, std::span<float> x_m, std::span<float> y_m) override;
+  Duration heard_before() const override { return heard_before_; }
+  void rest() override;
+
+ private:
+  bool listen(const RssScan& scan);
+  void vote();
+  const RadioField::Storey* storey(FloorOrdinal floor) const;
+  float node(const RadioField::Storey& storey, int column, int row) const;
+  float resemblance(std::uint32_t fingerprint) const;
+
+  std::shared_ptr<const RadioField> field_;
+  std::unique_ptr<RadioField::Scratch> scratch_;   // from locate() to rest()
+  struct Row {
+    std::uint64_t key;
+    float age_s;
+    float rss_dbm;
+  };
+  std::vector<Row> rows_;
+  std::vector<RadioStrength> heard_;
+  float sum_ = 0.0f;
+  float norm_ = 0.0f;
+  mutable std::vector<std::uint8_t> exposed_;      // a storey, for the newest scan
+  std::vector<float> best_;                        // a storey: mean of its smallest distances
+  std::vector<FloorProbability> floors_;
+  std::vector<float> cumulated_;                   // for draw()
+  int known_ = 0;
+  int unknown_ = 0;
+  Duration heard_before_{0};
+};
+
+}  // namespace wayfuse
