@@ -4,6 +4,7 @@
 
 #include "db/file_lock.hpp"
 #include "db/packing.hpp"
+#include "db/radio_map_shelf.hpp"
 #include "db/schema.hpp"
 #include "db/survey_store.hpp"
 #include "db/verification.hpp"
@@ -204,6 +205,49 @@ Result<ZoneRecord> BuildingDatabase::put_zone(const ZoneRecord& zone) {
 
 Result<void> BuildingDatabase::remove_zone(std::uint64_t id) {
   return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_zone(sqlite, id); });
+}
+
+Result<RadioMapRecord> BuildingDatabase::stage_map(const RadioMapDraft& draft) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).stage(draft); });
+}
+Result<std::vector<RadioMapRecord>> BuildingDatabase::maps() {
+  return connection_->run([](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).maps(); });
+}
+Result<std::string> BuildingDatabase::map_content(std::uint64_t version) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).content(version); });
+}
+Result<void> BuildingDatabase::discard_map(std::uint64_t version) {
+  return connection_->run([&](SqliteConnection& sqlite) { RadioMapShelf(sqlite).discard(version); });
+}
+Result<std::optional<std::uint64_t>> BuildingDatabase::live_map() {
+  return connection_->run([](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).live(); });
+}
+Result<std::vector<Publication>> BuildingDatabase::publications() {
+  return connection_->run([](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).publications(); });
+}
+Result<Publication> BuildingDatabase::promote(const Publication& publication, std::optional<std::uint64_t> expected_live) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).promote(publication, expected_live); });
+}
+Result<Publication> BuildingDatabase::roll_back(const Publication& publication) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).roll_back(publication); });
+}
+Result<QualityWalkRecord> BuildingDatabase::add_quality_walk(const QualityWalkDraft& draft) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).add_walk(draft); });
+}
+Result<std::vector<QualityWalkRecord>> BuildingDatabase::quality_walks() {
+  return connection_->run([](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).walks(); });
+}
+Result<std::string> BuildingDatabase::quality_walk_content(std::uint64_t id) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).walk_content(id); });
+}
+Result<void> BuildingDatabase::remove_quality_walk(std::uint64_t id) {
+  return connection_->run([&](SqliteConnection& sqlite) { RadioMapShelf(sqlite).remove_walk(id); });
+}
+Result<void> BuildingDatabase::note_quality(const MapQuality& quality) {
+  return connection_->run([&](SqliteConnection& sqlite) { RadioMapShelf(sqlite).note_quality(quality); });
+}
+Result<std::vector<MapQuality>> BuildingDatabase::qualities(std::uint64_t version) {
+  return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).qualities(version); });
 }
 
 Result<VerifyReport> BuildingDatabase::verify() { return connection_->run(verify_building); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "db/radio_map_record.hpp"
 #include "db/zone_record.hpp"
 #include "wayfuse/proto/fingerprint.hpp"
 #include "wayfuse/proto/message.hpp"
@@ -45,6 +46,7 @@ struct PointQuery {
   std::optional<FloorOrdinal> floor;
   std::uint64_t after_id = 0;            ///< exclusive
   std::uint32_t most = 1000;
+  std::optional<std::uint64_t> through_version = {};  ///< only what the survey held at that version (but for what was erased)
 };
 
 /// Which points to take out: all that fit every condition given. None given = no point at all.
@@ -64,6 +66,7 @@ struct VerifyReport {
   std::uint64_t scans = 0;
   std::uint64_t readings = 0;
   std::uint64_t transmitters = 0;
+  std::uint64_t contents = 0;            ///< radio maps and quality walks equal to their sha256
   std::vector<std::string> wrong;        ///< empty = sound
 };
 
@@ -103,6 +106,28 @@ class BuildingDatabase {
   /// Id 0 = a new one; else replaces, kNotFound if there is none.
   Result<ZoneRecord> put_zone(const ZoneRecord& zone);
   Result<void> remove_zone(std::uint64_t id);
+
+  /// Keeps a radio map for good; the same content again is the same version.
+  Result<RadioMapRecord> stage_map(const RadioMapDraft& draft);
+  Result<std::vector<RadioMapRecord>> maps();            ///< ascending versions
+  Result<std::string> map_content(std::uint64_t version);  ///< checked against its sha256
+  /// Only one that was never published; kConflict otherwise.
+  Result<void> discard_map(std::uint64_t version);
+  Result<std::optional<std::uint64_t>> live_map();
+  Result<std::vector<Publication>> publications();       ///< oldest first
+  /// Puts `publication.version` in force; kConflict when another version than `expected_live` is live by now.
+  Result<Publication> promote(const Publication& publication, std::optional<std::uint64_t> expected_live);
+  /// Back to what was live before the live version was promoted; kConflict when nothing was. The version given is ignored.
+  Result<Publication> roll_back(const Publication& publication);
+
+  /// The same content again is the same walk; kConflict when another walk has that name.
+  Result<QualityWalkRecord> add_quality_walk(const QualityWalkDraft& draft);
+  Result<std::vector<QualityWalkRecord>> quality_walks();
+  Result<std::string> quality_walk_content(std::uint64_t id);
+  Result<void> remove_quality_walk(std::uint64_t id);    ///< with what was measured by it
+  /// Replaces what this map measured on this walk before.
+  Result<void> note_quality(const MapQuality& quality);
+  Result<std::vector<MapQuality>> qualities(std::uint64_t version);
 
   /// Reads everything and holds it against its hashes and counts: a flipped bit in a reading is found too.
   Result<VerifyReport> verify();

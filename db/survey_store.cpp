@@ -189,10 +189,12 @@ std::vector<Result<SurveyAck>> store_batches(SqliteConnection& connection, const
 std::vector<StoredPoint> read_points(SqliteConnection& connection, const PointQuery& query) {
   Statement select = connection.prepare(
       "SELECT p.id, p.floor, p.x_m, p.y_m, p.sigma_m, m.name, w.name, p.surveyed_at_us, s.phone_time_us, s.readings "
-      "FROM (SELECT * FROM reference_point WHERE id > ?1 AND (?2 IS NULL OR floor = ?2) ORDER BY id LIMIT ?3) AS p "
+      "FROM (SELECT * FROM reference_point WHERE id > ?1 AND (?2 IS NULL OR floor = ?2) "
+      "AND (?4 IS NULL OR upload_id IN (SELECT id FROM upload WHERE survey_version <= ?4)) ORDER BY id LIMIT ?3) AS p "
       "JOIN device_model AS m ON m.id = p.device_model_id LEFT JOIN survey_walk AS w ON w.id = p.walk_id "
       "LEFT JOIN scan AS s ON s.point_id = p.id ORDER BY p.id, s.ordinal");
   select.bind(1, static_cast<std::int64_t>(query.after_id)).bind(3, std::int64_t{query.most});
+  if (query.through_version) select.bind(4, static_cast<std::int64_t>(*query.through_version));
   if (query.floor) select.bind(2, std::int64_t{query.floor->value});
   std::vector<StoredPoint> points;
   while (select.step()) {

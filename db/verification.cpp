@@ -4,6 +4,7 @@
 
 #include "db/body_hash.hpp"
 #include "db/packing.hpp"
+#include "db/radio_map_shelf.hpp"
 
 namespace wayfuse {
 namespace {
@@ -18,6 +19,7 @@ class Verification {
     Statement uploads = connection_.prepare("SELECT id, idempotency_key, stored, body_hash FROM upload ORDER BY id");
     while (uploads.step()) check_upload(uploads.integer(0), std::string(uploads.text(1)), uploads.integer(2), std::string(uploads.blob(3)));
     check_transmitters();
+    check_contents();
     return report_;
   }
 
@@ -90,6 +92,22 @@ class Verification {
       }
     }
     if (report_.transmitters != heard_.size()) complain("transmitters are missing");
+  }
+
+  // Radio maps and quality walks against their sha256.
+  void check_contents() {
+    RadioMapShelf shelf(connection_);
+    const auto check = [&](auto read) {
+      try {
+        read();
+        ++report_.contents;
+      } catch (const StoreError& error) {
+        if (error.fault().code != FaultCode::kStoreCorrupt) throw;
+        complain(error.fault().cause);
+      }
+    };
+    for (const RadioMapRecord& map : shelf.maps()) check([&] { shelf.content(map.version); });
+    for (const QualityWalkRecord& walk : shelf.walks()) check([&] { shelf.walk_content(walk.id); });
   }
 
   SqliteConnection& connection_;

@@ -2,68 +2,22 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "tests/proto/field_table.hpp"
 #include "tests/proto/golden.hpp"
+#include "tests/proto/readme_sections.hpp"
 
 // proto/README.md is the contract: its tables and examples are held to the code.
 namespace wayfuse {
 namespace {
 
 using nlohmann::json;
-using Row = std::vector<std::string>;
-
-struct Section {
-  std::vector<Row> rows;            // of its first table, without head and rule
-  std::vector<std::string> blocks;  // ```json
-};
-
-std::string trimmed(std::string text) {
-  const auto blank = [](char c) { return c == ' '; };
-  text.erase(text.begin(), std::ranges::find_if_not(text, blank));
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
-
-Row cells(const std::string& line) {
-  Row row;
-  std::istringstream in(line.substr(1));
-  for (std::string cell; std::getline(in, cell, '|');) row.push_back(trimmed(cell));
-  return row;
-}
-
-// By title, `## ` and `### ` alike.
-std::map<std::string, Section> sections() {
-  std::map<std::string, Section> found;
-  std::istringstream in(contents(std::filesystem::path(WAYFUSE_SOURCE_DIR) / "proto/README.md"));
-  std::string title;
-  bool in_json = false;
-  for (std::string line; std::getline(in, line);) {
-    Section& section = found[title];
-    if (line == "```json") {
-      in_json = true;
-      section.blocks.emplace_back();
-    } else if (in_json && line == "```") {
-      in_json = false;
-    } else if (in_json) {
-      section.blocks.back() += line + '\n';
-    } else if (line.starts_with("#")) {
-      title = trimmed(line.substr(line.find_first_not_of('#')));
-    } else if (line.starts_with("|")) {
-      section.rows.push_back(cells(line));
-    }
-  }
-  for (auto& [_, section] : found) {
-    if (section.rows.size() >= 2) section.rows.erase(section.rows.begin(), section.rows.begin() + 2);
-  }
-  return found;
-}
+using Row = ReadmeRow;
 
 TEST(ProtoReadme, TablesSayWhatTheCodeReads) {
-  auto documented = sections();
+  auto documented = readme_sections();
   for (const FieldTable& table : all_field_tables()) {
-    const Section& section = documented[table.title];
+    const ReadmeSection& section = documented[table.title];
     ASSERT_EQ(section.rows.size(), table.rows.size()) << table.title;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
       const FieldRow& row = table.rows[i];
@@ -79,7 +33,7 @@ TEST(ProtoReadme, TablesSayWhatTheCodeReads) {
 }
 
 TEST(ProtoReadme, ListsEveryFaultWithItsFaces) {
-  const std::vector<Row> rows = sections()["Faults"].rows;
+  const std::vector<Row> rows = readme_sections()["Faults"].rows;
   ASSERT_EQ(rows.size(), fault_table().size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const FaultFace& face = fault_table()[i];
@@ -90,7 +44,7 @@ TEST(ProtoReadme, ListsEveryFaultWithItsFaces) {
 }
 
 TEST(ProtoReadme, ShowsEveryMessageAsItsGoldenDocument) {
-  auto documented = sections();
+  auto documented = readme_sections();
   std::size_t shown = 0;
   for (const Golden& golden : golden_documents()) {
     const std::string type = json::parse(golden.text).at("type");
@@ -103,7 +57,7 @@ TEST(ProtoReadme, ShowsEveryMessageAsItsGoldenDocument) {
 }
 
 TEST(ProtoReadme, EveryExampleIsAMessage) {
-  for (const auto& [title, section] : sections()) {
+  for (const auto& [title, section] : readme_sections()) {
     for (const std::string& block : section.blocks) {
       const auto from_client = decode_client_message(block, Encoding::kJson);
       const auto from_server = decode_server_message(block, Encoding::kJson);
@@ -115,7 +69,9 @@ TEST(ProtoReadme, EveryExampleIsAMessage) {
 // Members of an aggregate, by trying how many initialisers it takes: a member without a field would be lost on the wire.
 struct Anything {
   template <typename T>
-  operator T() const { return T{}; }  // never called: only its type is looked at
+  operator T() const {
+    return T{};
+  }  // never called: only its type is looked at
 };
 template <typename T, typename... Given>
 constexpr std::size_t members_of() {

@@ -100,6 +100,7 @@ struct Outcome {
   ModelServer server;
   std::uint64_t acked = 0;
   std::size_t connections = 0;
+  Duration longest_standstill{0};  ///< of the acknowledgements
 };
 
 Outcome run(std::uint64_t seed, bool long_outages) {
@@ -124,10 +125,17 @@ Outcome run(std::uint64_t seed, bool long_outages) {
     return std::make_unique<WireLink>(std::move(made));
   }, clock, Random(seed * 31));
   client.start();
+  std::uint64_t acked = 0;
+  PhoneTime progress_at = clock.now();
   for (int tick = 0; tick < 600; ++tick) {
     EXPECT_TRUE(client.send(named_motion(outcome.sent + 1, clock.now())));
     ++outcome.sent;
     clock.run_for(400ms);
+    if (client.acked_through() != acked) {
+      acked = client.acked_through();
+      progress_at = clock.now();
+    }
+    outcome.longest_standstill = std::max(outcome.longest_standstill, clock.now() - progress_at);
     if (random.below(25) == 0) {
       if (const auto alive = wire.lock()) alive->reset();
     }
@@ -166,14 +174,17 @@ std::uint64_t seeds(std::uint64_t usual) {
 
 TEST(FaultsInTime, WithinTheRingNothingIsLost) {
   std::size_t connections = 0;
+  std::uint64_t quiet = 0;
   for (std::uint64_t seed = 1; seed <= seeds(150); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Outcome outcome = run(seed, false);
     expect_sound(outcome);
-    EXPECT_TRUE(outcome.lost.empty());
+    EXPECT_TRUE(outcome.lost.empty() || outcome.longest_standstill > 60s);
+    quiet += outcome.longest_standstill <= 60s;
     connections += outcome.connections;
     if (testing::Test::HasFailure()) return;
   }
+  EXPECT_GT(quiet, seeds(150) * 9 / 10) << "most runs must stay within the ring to say anything";
   EXPECT_GT(connections, seeds(150) * 10) << "the network was too kind to test anything";
 }
 

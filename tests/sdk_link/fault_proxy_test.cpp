@@ -75,7 +75,7 @@ class SocketServer {
 struct HurriedPhone {
   HurriedPhone(NetworkLoop& network, std::uint64_t seed) : loop(network), proxy(server.port(), seed, FaultPlan{}) {
     WebsocketLinkSettings link;
-    link.url = "ws://127.0.0.1:" + std::to_string(proxy.port()) + "/v1/stream";
+    link.url = "ws://127.0.0.1:" + std::to_string(proxy.port()) + "/v1/session";
     link.handshake_most = 250ms;
     link.write_most = 250ms;
     link.close_most = 50ms;

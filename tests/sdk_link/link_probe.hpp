@@ -40,7 +40,7 @@ class LinkProbe : public testing::Test {
   }
 
   void open(const RawServer& server, const std::string& scheme = "ws", const std::string& host = "127.0.0.1") {
-    settings.url = scheme + "://" + host + ":" + std::to_string(server.port()) + "/v1/stream?x=1";
+    settings.url = scheme + "://" + host + ":" + std::to_string(server.port()) + "/v1/session?x=1";
     auto factory = loop.links(settings);
     ASSERT_TRUE(factory) << to_string(factory.fault());
     link = (*factory)();

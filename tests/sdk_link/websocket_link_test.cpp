@@ -34,7 +34,7 @@ TEST_F(WebsocketLink, OffersBothEncodingsAndTakesTheServersChoice) {
     EXPECT_EQ(header_of(head, "Authorization"), "Bearer secret");
     EXPECT_EQ(header_of(head, "Host"), "127.0.0.1:" + std::to_string(server.port()));
     EXPECT_EQ(header_of(head, "Sec-WebSocket-Extensions"), "");  // no permessage-deflate
-    EXPECT_TRUE(head.starts_with("GET /v1/stream?x=1 HTTP/1.1\r\n"));
+    EXPECT_TRUE(head.starts_with("GET /v1/session?x=1 HTTP/1.1\r\n"));
     link.reset();
   }
 }

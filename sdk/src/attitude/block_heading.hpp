@@ -7,8 +7,8 @@
 namespace wayfuse {
 
 struct BlockHeadingSettings {
-  double block_s = 0.07;            ///< corrections come this often; larger costs less and answers later
-  double block_samples = 7.0;       ///< but not before so many gyroscope readings,
+  double block_s = 0.08;            ///< corrections come this often; larger costs less and answers later
+  double block_samples = 8.0;       ///< but not before so many gyroscope readings,
   double block_most_s = 0.25;       ///< unless so much time has passed
   double gap_s = 1.0;               ///< longer silence of the gyroscope: the turn in it is unknown
   double sensor_delay_s = 0.004;      ///< group delay of the gyroscope's own low-pass: the output is turned ahead by so much

@@ -18,7 +18,7 @@ NetworkLoop::~NetworkLoop() {
   state_->io.poll();
 }
 
-PhoneTime NetworkLoop::now() const {
+PhoneTime NetworkLoop::clock_now() {
 #ifdef CLOCK_BOOTTIME
   timespec time{};
   if (clock_gettime(CLOCK_BOOTTIME, &time) == 0) {

@@ -78,7 +78,8 @@ Vector3 MotionSensors::specific_force_enu(const Truth& truth) const {
   const double step = 2 * kPi * truth.gait_phase;
   const double vigour = bounce_ * std::pow(std::min(truth.speed_mps, 2.0) / 1.25, 1.5);
   const double up = vigour * (2.4 * std::cos(step) + 0.8 * std::cos(2 * step + 0.6) + 0.25 * std::cos(3 * step));
-  const double forward = vigour * 1.1 * std::sin(step + 0.4);
+  // Inverted pendulum: fastest at the lowest point, so the push leads the upward acceleration by a quarter of a step.
+  const double forward = -vigour * 1.1 * std::sin(step + 0.4);
   const double side = vigour * 0.6 * std::sin(step / 2);
   const Heading heading = world_.georeference.to_true(truth.heading);
   return {forward * heading.cos() - side * heading.sin(), forward * heading.sin() + side * heading.cos(), kGravity_mps2 + up};
