@@ -73,12 +73,45 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     return on_writer<void>([&] { return server_.revoke_key(id); });
   }
 
+  void audit(AuditRecord record, std::function<void(Result<void>)> done) override {
+    {
+      const std::lock_guard lock(mutex_);
+      audit_waiting_.push_back({std::move(record), std::move(done)});
+      if (audit_waiting_.size() > 1) return;  // the task of the first takes all
+    }
+    queue_.post(std::nullopt, [this] { write_waiting_audit(); });
+  }
+  Result<std::vector<AuditRecord>> audited(const AuditQuery& query) override {
+    return on_writer<std::vector<AuditRecord>>([&] { return server_.audited(query); });
+  }
+  Result<std::uint64_t> forget_audit(UnixTime before) override {
+    return on_writer<std::uint64_t>([&] { return server_.forget_audit(before); });
+  }
+
   void close() override {
     queue_.stop();
     databases_.clear();  // the last connection to a database checkpoints its log
   }
 
  private:
+  struct WaitingAudit {
+    AuditRecord record;
+    std::function<void(Result<void>)> done;
+  };
+
+  void write_waiting_audit() {
+    std::vector<WaitingAudit> waiting;
+    {
+      const std::lock_guard lock(mutex_);
+      waiting.swap(audit_waiting_);
+    }
+    std::vector<AuditRecord> records;
+    for (const WaitingAudit& entry : waiting) records.push_back(entry.record);
+    const Result<void> all = server_.audit(records);
+    // One line that breaks a rule must not silence the others.
+    for (const WaitingAudit& entry : waiting) entry.done(all || waiting.size() == 1 ? all : server_.audit({entry.record}));
+  }
+
   template <typename T>
   Result<T> on_writer(const std::function<Result<T>()>& task) {
     std::optional<Result<T>> answer;
@@ -236,6 +269,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   mutable std::mutex mutex_;
   std::vector<BuildingId> present_;              // ascending
   std::map<BuildingId, Fault> unusable_;
+  std::vector<WaitingAudit> audit_waiting_;
   WriterQueue queue_;                            // last: its thread uses all the rest
 };
 

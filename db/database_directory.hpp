@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "db/audit_record.hpp"
 #include "db/building_database.hpp"
 
 namespace wayfuse {
@@ -65,6 +66,13 @@ class DatabaseDirectory {
   virtual Result<std::vector<KeyRecord>> keys() = 0;
   virtual Result<KeyRecord> add_key(KeyRecord key) = 0;  ///< id is assigned
   virtual Result<void> revoke_key(std::uint64_t id) = 0;
+
+  /// Adds a line to the audit; lines that arrive while the disk is busy share a commit. `done` runs once it is durable: answer
+  /// an observer after it.
+  virtual void audit(AuditRecord record, std::function<void(Result<void>)> done) = 0;
+  virtual Result<std::vector<AuditRecord>> audited(const AuditQuery& query) = 0;
+  /// Retention: forgets older lines, answers how many.
+  virtual Result<std::uint64_t> forget_audit(UnixTime before) = 0;
 
   /// Finishes what is queued, checkpoints, closes. No call after it.
   virtual void close() = 0;

@@ -2,7 +2,7 @@
 
 #include <sodium.h>
 
-#include <array>
+#include "db/audit_log.hpp"
 
 namespace wayfuse {
 namespace {
@@ -108,6 +108,18 @@ Result<KeyRecord> ServerDatabase::add_key(KeyRecord key) {
 
 Result<void> ServerDatabase::revoke_key(std::uint64_t id) {
   return run([&](SqliteConnection& connection) { set_revoked(connection, id); });
+}
+
+Result<void> ServerDatabase::audit(const std::vector<AuditRecord>& records) {
+  return run([&](SqliteConnection& connection) { write_audit(connection, records); });
+}
+
+Result<std::vector<AuditRecord>> ServerDatabase::audited(const AuditQuery& query) {
+  return run([&](SqliteConnection& connection) { return read_audit(connection, query); });
+}
+
+Result<std::uint64_t> ServerDatabase::forget_audit(UnixTime before) {
+  return run([&](SqliteConnection& connection) { return wayfuse::forget_audit(connection, before); });
 }
 
 }  // namespace wayfuse

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "db/audit_record.hpp"
 #include "db/database_directory.hpp"
 #include "db/file_lock.hpp"
 #include "db/schema.hpp"
@@ -22,6 +23,10 @@ class ServerDatabase {
   Result<std::vector<KeyRecord>> keys();
   Result<KeyRecord> add_key(KeyRecord key);
   Result<void> revoke_key(std::uint64_t id);
+  /// All or none.
+  Result<void> audit(const std::vector<AuditRecord>& records);
+  Result<std::vector<AuditRecord>> audited(const AuditQuery& query);
+  Result<std::uint64_t> forget_audit(UnixTime before);
 
  private:
   template <typename Call>

@@ -230,6 +230,35 @@ TEST(DatabaseDirectory, KeepsTheSecretAndTheKeys) {
   EXPECT_EQ(perms & (std::filesystem::perms::group_all | std::filesystem::perms::others_all), std::filesystem::perms::none);
 }
 
+TEST(DatabaseDirectory, KeepsTheAuditAndForgetsItByRetention) {
+  const TemporaryFolder folder;
+  const auto at = [](int second) { return UnixTime(std::chrono::seconds(1'700'000'000 + second)); };
+  {
+    const auto directory = opened(folder);
+    std::atomic<int> durable{0}, refused{0};
+    const auto note = [&](AuditRecord record) {
+      directory->audit(std::move(record), [&](Result<void> done) { ++(done ? durable : refused); });
+    };
+    for (int i = 0; i < 40; ++i) note({0, at(i), 2u + i % 2, {7}, "observe", "floor " + std::to_string(i % 3)});
+    note({0, at(40), 1, {}, "", "an action without a name"});
+    note({0, at(41), 1, {}, "keys.revoke", "key 4"});
+    directory->close();
+    EXPECT_EQ(durable, 41);
+    EXPECT_EQ(refused, 1) << "alone";
+  }
+  const auto directory = opened(folder);
+  const std::vector<AuditRecord> all = directory->audited({}).value();
+  ASSERT_EQ(all.size(), 41u);
+  EXPECT_EQ(all.back().action, "keys.revoke");
+  EXPECT_EQ(all.back().at, at(41));
+  for (std::size_t i = 1; i < all.size(); ++i) EXPECT_GT(all[i].id, all[i - 1].id);
+  EXPECT_EQ(directory->audited({.building = BuildingId{7}})->size(), 40u);
+  EXPECT_EQ(directory->audited({.key_id = 3})->size(), 20u);
+  EXPECT_EQ(directory->audited({.after_id = all[9].id, .most = 5})->front(), all[10]);
+  EXPECT_EQ(directory->forget_audit(at(30)).value(), 30u);
+  EXPECT_EQ(directory->audited({})->size(), 11u);
+}
+
 TEST(DatabaseDirectory, CommitsWhatArrivesTogetherTogetherAndAnswersEachOnce) {
   const TemporaryFolder folder;
   const auto directory = opened(folder);
