@@ -20,8 +20,10 @@ std::shared_ptr<TrackingSession> SessionShelf::begin(SessionRequest request, con
     evicted_.push_back(oldest->second->tracked());
     sessions_.erase(oldest);
   }
-  auto session =
-      std::make_shared<TrackingSession>(std::move(request), names_.secret(), names_.tracked(), names_.seed(), buildings, now);
+  std::string secret = names_.secret();  // one after the other: the order of arguments is the compiler's choice
+  std::string tracked = names_.tracked();
+  const std::uint64_t seed = names_.seed();
+  auto session = std::make_shared<TrackingSession>(std::move(request), std::move(secret), std::move(tracked), seed, buildings, now);
   sessions_[session->name()] = session;
   return session;
 }
