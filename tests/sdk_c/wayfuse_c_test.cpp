@@ -7,79 +7,36 @@
 #include <string>
 #include <thread>
 
-#include "tests/fixtures/raw_websocket_server.hpp"
+#include "tests/fixtures/greeting_server.hpp"
 #include "tests/sdk_c/c_calls.h"
-#include "wayfuse/proto/codec.hpp"
 
 // The C interface, driven from C (c_calls.c) through the shared library, against a server of the tests' own.
 namespace wayfuse {
 namespace {
 
-/// Greets, fuses everybody to (3, 4) on floor 2, stores every survey.
-void serve(RawPeer& peer) {
-  const std::string head = peer.read_head();
-  if (head.empty()) return;
-  peer.accept_upgrade(head, kSubprotocolCbor);
-  const auto say = [&](const ServerMessage& message) { peer.send_frame(2, encode(message, Encoding::kCbor)); };
-  while (const auto frame = peer.read_frame()) {
-    if (frame->opcode == 8) {
-      peer.send_frame(8, frame->payload);
-      return;
-    }
-    const auto message = decode_client_message(frame->payload, Encoding::kCbor);
-    if (!message) return;
-    if (std::holds_alternative<Hello>(*message)) {
-      Welcome welcome;
-      welcome.session = "s";
-      welcome.tracked = "t";
-      welcome.epoch = 1;
-      welcome.building = BuildingId{1};
-      welcome.pipeline = "p1";
-      say(welcome);
-    }
-    if (const auto* batch = std::get_if<SampleBatch>(&*message)) {
-      say(Ack{1, batch->samples.back().sequence});
-      Position position;
-      if (const auto* motion = std::get_if<MotionReport>(&batch->samples.back().body)) position.position.valid_at = motion->time;
-      position.position.building = BuildingId{1};
-      position.position.place = {{3, 4}, {2}};
-      position.position.floors = {{FloorOrdinal{2}, 1.0}};
-      position.position.radius68_m = 1;
-      position.position.radius95_m = 2;
-      position.applied_through = batch->samples.back().sequence;
-      say(position);
-    }
-    if (const auto* batch = std::get_if<SurveyBatch>(&*message)) {
-      say(SurveyAck{batch->idempotency_key, static_cast<std::uint32_t>(batch->points.size()), 1});
-    }
-  }
-}
-
 void wait_a_little() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
-
-std::string url_of(const RawServer& server) { return "ws://127.0.0.1:" + std::to_string(server.port()) + "/v1/session"; }
 
 TEST(WayfuseInC, RefusesNullEverywhere) { EXPECT_STREQ(c_null_is_refused(), nullptr); }
 
 TEST(WayfuseInC, ChecksOptionsOfAnyAge) { EXPECT_STREQ(c_options_are_checked(), nullptr); }
 
 TEST(WayfuseInC, NamesBadInput) {
-  RawServer server(serve);
+  RawServer server(greet_and_fuse);
   EXPECT_STREQ(c_bad_input_is_named(url_of(server).c_str()), nullptr);
 }
 
 TEST(WayfuseInC, TracksFromSensorsToAPosition) {
-  RawServer server(serve);
+  RawServer server(greet_and_fuse);
   EXPECT_STREQ(c_tracks(url_of(server).c_str(), wait_a_little), nullptr);
 }
 
 TEST(WayfuseInC, SurveysAWalkAndAPoint) {
-  RawServer server(serve);
+  RawServer server(greet_and_fuse);
   EXPECT_STREQ(c_surveys(url_of(server).c_str(), wait_a_little), nullptr);
 }
 
 TEST(WayfuseInC, ManyPhonesComeAndGo) {
-  RawServer server(serve);
+  RawServer server(greet_and_fuse);
   for (int i = 0; i < 20; ++i) {
     wayfuse_options options;
     wayfuse_options_init(&options, sizeof options);
@@ -103,6 +60,14 @@ std::string output_of(const std::string& command) {
   while (pipe && std::fgets(part.data(), part.size(), pipe)) text += part.data();
   if (pipe) pclose(pipe);
   return text;
+}
+
+TEST(Examples, ShowAMovingDotAsTheyArePrinted) {
+  for (const char* program : {WAYFUSE_EXAMPLE_C, WAYFUSE_EXAMPLE_CPP}) {
+    RawServer server(greet_and_fuse);
+    const std::string said = output_of(std::string(program) + " " + url_of(server) + " key 1 4 2>&1");
+    EXPECT_NE(said.find("3.00 m, 4.00 m, floor 2"), std::string::npos) << program << ": " << said;
+  }
 }
 
 TEST(Libwayfuse, ExportsTheHeaderAndNothingElse) {

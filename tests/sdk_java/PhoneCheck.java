@@ -1,0 +1,71 @@
+import org.wayfuse.Phone;
+
+/** Drives the binding against the test's server; leaves with 0 and "all is well", or says what failed. */
+public class PhoneCheck {
+  static void require(boolean condition, String what) {
+    if (!condition) {
+      System.err.println("failed: " + what);
+      System.exit(1);
+    }
+  }
+
+  static void refused(Class<? extends Exception> type, String part, Runnable call) {
+    try {
+      call.run();
+    } catch (Exception thrown) {
+      require(type.isInstance(thrown) && String.valueOf(thrown.getMessage()).contains(part), part + ", got " + thrown);
+      return;
+    }
+    require(false, part + " was accepted");
+  }
+
+  static volatile int positions, streaming, tokens;
+
+  public static void main(String[] words) throws Exception {
+    Phone.Listener quiet = new Phone.Listener() {};
+    refused(IllegalArgumentException.class, "url", () -> new Phone("http://nowhere", 1, "m", false, quiet));
+    refused(IllegalArgumentException.class, "url", () -> new Phone(null, 1, "m", false, quiet));
+    refused(IllegalArgumentException.class, "listener", () -> new Phone(words[0], 1, "m", false, null));
+    Phone.Listener listener = new Phone.Listener() {
+      @Override public String token() {
+        ++tokens;
+        return "key";
+      }
+      @Override public void onState(int state) {
+        if (state == 3) ++streaming;
+      }
+      @Override public void onPosition(Phone.Position position) {
+        ++positions;
+        throw new IllegalStateException("the listener's own affair");
+      }
+    };
+    Phone phone = new Phone(words[0], 1, "java", false, listener);
+    require(phone.positionNow() == null, "no position before the first");
+    require(phone.nextScanUs() > 0, "a scan is due");
+    phone.scanStarted();
+    require(phone.nextScanUs() > Phone.nowUs(), "and not at once again");
+    refused(IllegalArgumentException.class, "rss_dbm",
+        () -> phone.onScanResults(5, new String[] {"00:00:00:00:00:01"}, new int[] {-312}, new int[] {2412}, new long[] {1}));
+    refused(IllegalArgumentException.class, "one length",
+        () -> phone.onScanResults(5, new String[] {"00:00:00:00:00:01"}, new int[] {}, new int[] {2412}, new long[] {1}));
+    phone.start();
+    Phone.Position position = null;
+    for (int i = 0; i < 4000 && position == null; ++i) {
+      long now = 1000 * Phone.nowUs();
+      phone.onSensorEvents(new int[] {1, 4, 2, 99}, new long[] {now, now, now, now},
+          new float[] {0, 0, 9.81f, 0, 0, 0, 0, 22, -42, 1, 2, 3});
+      phone.onScanResults(now / 1000, new String[] {"0a:0b:0c:0d:0e:0f"}, new int[] {-50}, new int[] {2412}, new long[] {now / 1000 + 5});
+      Thread.sleep(2);
+      position = phone.positionNow();
+    }
+    require(position != null && Math.abs(position.xM - 3) < 0.1 && position.floor == 2, "the position of the server");
+    require(Double.isNaN(position.latitudeDeg), "no place on the map");
+    require(positions > 0 && streaming == 1 && tokens == 1, "callbacks came");
+    phone.networkChanged();
+    phone.stop();
+    phone.close();
+    phone.close();
+    refused(IllegalStateException.class, "closed", phone::start);
+    System.out.println("all is well");
+  }
+}
