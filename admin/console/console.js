@@ -12,6 +12,7 @@ const state = {
   phones: new Map(),   // public name -> {position, received, gone, trail: [{x, y, floor, at}]}
   chosen: null,
   view: { x: 0, y: 0, scale: 8 },   // metres at the canvas centre, pixels a metre
+  fitted: true,                     // nobody moved the plan: it follows the window
   socket: null,
   retry: 500,
 };
@@ -134,6 +135,7 @@ const toX = (x) => canvas.clientWidth / 2 + (x - state.view.x) * state.view.scal
 const toY = (y) => canvas.clientHeight / 2 - (y - state.view.y) * state.view.scale;
 
 function fit() {
+  state.fitted = true;
   const rings = state.floor?.outline ?? [];
   const all = rings.length ? rings.flat() : state.points.map((p) => [p.x_m, p.y_m]);
   if (all.length) {
@@ -251,6 +253,7 @@ function listPhones() {
 // ---------------------------------------------------------------- hands
 
 function zoom(factor, cx = canvas.clientWidth / 2, cy = canvas.clientHeight / 2) {
+  state.fitted = false;
   const { view } = state;
   const x = view.x + (cx - canvas.clientWidth / 2) / view.scale, y = view.y - (cy - canvas.clientHeight / 2) / view.scale;
   view.scale = Math.min(400, Math.max(0.2, view.scale * factor));
@@ -260,6 +263,7 @@ function zoom(factor, cx = canvas.clientWidth / 2, cy = canvas.clientHeight / 2)
 }
 
 function move(dx, dy) {
+  state.fitted = false;
   state.view.x -= dx / state.view.scale;
   state.view.y += dy / state.view.scale;
   schedule();
@@ -303,7 +307,7 @@ $('sign-in').querySelector('form').addEventListener('submit', async (e) => {
   }
 });
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { readColours(); schedule(); });
-new ResizeObserver(schedule).observe(canvas);
+new ResizeObserver(() => (state.fitted ? fit() : schedule())).observe(canvas);
 
 readColours();
 setInterval(schedule, 1000);
