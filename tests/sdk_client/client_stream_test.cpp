@@ -46,6 +46,30 @@ TEST_F(ClientStream, HurriesLessAtRestAndAtOnceWhenTheWalkGoesOn) {
   EXPECT_EQ(far().sequences(), numbers(1, 4));
 }
 
+TEST_F(ClientStream, SaysLessAtRest) {
+  start_streaming();
+  for (int i = 0; i < 120; ++i) {  // a minute on the table, a report every half second
+    run(0.5);
+    ASSERT_TRUE(client->send(rest()));
+    if (!far().sequences().empty()) far().say(Ack{7, far().sequences().back()});
+  }
+  run(5);
+  EXPECT_GE(far().sequences().size(), 15u);
+  EXPECT_LE(far().sequences().size(), 26u);
+  PhoneTime end{};
+  for (const SampleBatch& batch : far().all<SampleBatch>()) {
+    for (const Sample& sample : batch.samples) {
+      const auto& report = std::get<MotionReport>(sample.body);
+      EXPECT_LE(report.interval, 4s);
+      if (end != PhoneTime{}) {
+        EXPECT_EQ(report.time - report.interval, end) << "a hole or an overlap in time";
+      }
+      end = report.time;
+    }
+  }
+  EXPECT_EQ(far().all<SampleBatch>().size() <= 13, true) << far().all<SampleBatch>().size();
+}
+
 TEST_F(ClientStream, ForgetsWhatIsAcknowledgedAndNothingElse) {
   start_streaming();
   walk(5);

@@ -20,6 +20,7 @@ public class PhoneCheck {
   }
 
   static volatile int positions, streaming, tokens;
+  static volatile String why = "";
 
   public static void main(String[] words) throws Exception {
     Phone.Listener quiet = new Phone.Listener() {};
@@ -65,6 +66,17 @@ public class PhoneCheck {
     phone.stop();
     phone.close();
     phone.close();
+    try (Phone lonely = new Phone("ws://127.0.0.1:9/", 1, "java", true, new Phone.Listener() {
+      @Override public void onDisconnected(String said) {
+        why = said;
+      }
+    })) {
+      lonely.start();
+      for (int i = 0; i < 4000 && why.isEmpty(); ++i) {
+        Thread.sleep(2);
+      }
+    }
+    require(why.startsWith("connect"), "why there is no connection: " + why);
     refused(IllegalStateException.class, "closed", phone::start);
     System.out.println("all is well");
   }

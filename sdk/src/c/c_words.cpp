@@ -5,7 +5,7 @@
 namespace wayfuse {
 namespace {
 
-constexpr std::size_t kOptionsOfVersion1 = offsetof(wayfuse_options, on_survey_stored) + sizeof(wayfuse_on_survey_stored);
+constexpr std::size_t kOptionsOfVersion1 = offsetof(wayfuse_options, on_disconnected) + sizeof(wayfuse_on_disconnected);
 constexpr std::size_t kTextMost = 1 << 20;
 
 // No allocation on the way of a refusal; one a thread.

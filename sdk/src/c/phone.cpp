@@ -90,6 +90,7 @@ ClientEvents Phone::client_events() {
     if (events_.survey_stored) events_.survey_stored(ack);
   };
   told.samples_lost = events_.samples_lost;
+  told.disconnected = events_.disconnected;
   return told;
 }
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct PhoneEvents {
   std::function<void(const FusedPosition&)> position;
   std::function<void(ClientState)> state_changed;
   std::function<void(const Fault&)> fault;
+  std::function<void(std::string_view)> disconnected;
   std::function<void(std::uint64_t, std::uint64_t)> samples_lost;
   std::function<void(const SurveyAck&)> survey_stored;
 };

@@ -87,6 +87,9 @@ PhoneEvents events_of(const wayfuse_options& options) {
       call(user, static_cast<int32_t>(fault.code), text_of(what));
     };
   }
+  if (options.on_disconnected) {
+    events.disconnected = [call = options.on_disconnected, user](std::string_view why) { call(user, text_of(why)); };
+  }
   if (options.on_samples_lost) {
     events.samples_lost = [call = options.on_samples_lost, user](std::uint64_t first, std::uint64_t last) { call(user, first, last); };
   }

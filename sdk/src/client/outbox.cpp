@@ -5,6 +5,9 @@
 namespace wayfuse {
 namespace {
 
+constexpr Duration kRestMost = std::chrono::seconds(4);  // beyond 5 s without news a server widens its doubt
+constexpr Duration kSeam = std::chrono::milliseconds(50);
+
 const RssScan* scan_of(const SampleBody& body) { return std::get_if<RssScan>(&body); }
 
 std::size_t memory_bytes(const SampleBody& body) {
@@ -25,7 +28,26 @@ bool at_rest(const SampleBody& body) {
 
 }  // namespace
 
+/// Lying on a table for an hour is a sample every four seconds, not every half.
+bool Outbox::merge_rest(const SampleBody& body) {
+  if (kept_.empty() || last_ <= ever_sent_ || !at_rest(body) || !at_rest(kept_.back().body)) return false;
+  MotionReport& before = std::get<MotionReport>(kept_.back().body);
+  const MotionReport& after = std::get<MotionReport>(body);
+  const Duration together = after.time - (before.time - before.interval);
+  const bool seamless = after.time > before.time && after.time - after.interval <= before.time + kSeam;
+  if (!seamless || together > kRestMost || before.steps > 0 || after.steps > 0 || before.reference != after.reference ||
+      before.climb_m || after.climb_m) {
+    return false;
+  }
+  const double turned = seconds(before.interval) * before.turn_rate_radps + seconds(after.interval) * after.turn_rate_radps;
+  before = after;
+  before.interval = together;
+  before.turn_rate_radps = turned / seconds(together);
+  return true;
+}
+
 std::uint64_t Outbox::push(SampleBody body, PhoneTime now) {
+  if (merge_rest(body)) return last_;
   const std::size_t bytes = memory_bytes(body);
   kept_.push_back({++last_, std::move(body), now, bytes});
   bytes_ += bytes;

@@ -20,6 +20,7 @@ class Outbox {
 
   Outbox(Duration keep, std::size_t bytes_most) : keep_(keep), bytes_most_(bytes_most) {}
 
+  /// Numbers and keeps it. A report at rest that follows another one nobody has sent yet becomes one with it.
   std::uint64_t push(SampleBody body, PhoneTime now);
   /// Drops what is older than the ring or beyond its memory. What was never sent is lost for certain.
   void evict(PhoneTime now);
@@ -71,6 +72,7 @@ class Outbox {
   };
   std::uint64_t first() const { return last_ + 1 - kept_.size(); }
   void pop();
+  bool merge_rest(const SampleBody& body);
   void lose(std::uint64_t first, std::uint64_t last);
 
   Duration keep_;

@@ -11,7 +11,7 @@ struct binding {
   JavaVM *jvm;
   jobject listener; /* global */
   jclass position;  /* global */
-  jmethodID make_position, on_position, on_state, on_fault, on_lost, token;
+  jmethodID make_position, on_position, on_state, on_fault, on_lost, on_disconnected, token;
   wayfuse_phone *phone;
 };
 
@@ -103,6 +103,15 @@ static void on_fault(void *user, int32_t code, wayfuse_text what) {
   (*env)->PopLocalFrame(env, NULL);
 }
 
+static void on_disconnected(void *user, wayfuse_text why) {
+  struct binding *b = (struct binding *)user;
+  JNIEnv *env = env_of(b);
+  if (!env || (*env)->PushLocalFrame(env, 8) != 0) return;
+  (*env)->CallVoidMethod(env, b->listener, b->on_disconnected, string_of(env, why));
+  swallow(env);
+  (*env)->PopLocalFrame(env, NULL);
+}
+
 static void on_lost(void *user, uint64_t first, uint64_t last) {
   struct binding *b = (struct binding *)user;
   JNIEnv *env = env_of(b);
@@ -150,6 +159,7 @@ static struct binding *bind(JNIEnv *env, jobject listener) {
   b->on_state = (*env)->GetMethodID(env, type, "onState", "(I)V");
   b->on_fault = (*env)->GetMethodID(env, type, "onFault", "(ILjava/lang/String;)V");
   b->on_lost = (*env)->GetMethodID(env, type, "onSamplesLost", "(JJ)V");
+  b->on_disconnected = (*env)->GetMethodID(env, type, "onDisconnected", "(Ljava/lang/String;)V");
   b->token = (*env)->GetMethodID(env, type, "token", "()Ljava/lang/String;");
   if (!(*env)->ExceptionCheck(env) && b->listener && b->position) return b;
   release(env, b);
@@ -187,6 +197,7 @@ JNIEXPORT jlong JNICALL Java_org_wayfuse_Phone_create(JNIEnv *env, jclass self, 
   options.on_state = on_state;
   options.on_fault = on_fault;
   options.on_samples_lost = on_lost;
+  options.on_disconnected = on_disconnected;
   status = wayfuse_phone_create(&options, &b->phone);
   if (held_url) (*env)->ReleaseStringUTFChars(env, url, held_url);
   if (held_model) (*env)->ReleaseStringUTFChars(env, model, held_model);

@@ -102,6 +102,7 @@ WAYFUSE_API void wayfuse_scan_advice_init(wayfuse_scan_advice* advice, size_t si
 typedef void (*wayfuse_on_position)(void* user, const wayfuse_position* position); /* as the server fused it */
 typedef void (*wayfuse_on_state)(void* user, wayfuse_state state);
 typedef void (*wayfuse_on_fault)(void* user, int32_t code, wayfuse_text what);     /* numbers as in proto/README.md */
+typedef void (*wayfuse_on_disconnected)(void* user, wayfuse_text why);             /* it will try again by itself */
 typedef void (*wayfuse_on_samples_lost)(void* user, uint64_t first, uint64_t last);
 typedef void (*wayfuse_on_survey_stored)(void* user, wayfuse_text key, uint32_t stored);
 /* Before every connection: write a token of at most `capacity` bytes, return its length; more than `capacity` = none. */
@@ -132,6 +133,7 @@ typedef struct wayfuse_options {
   wayfuse_on_fault on_fault;
   wayfuse_on_samples_lost on_samples_lost;
   wayfuse_on_survey_stored on_survey_stored;
+  wayfuse_on_disconnected on_disconnected;
 } wayfuse_options;
 WAYFUSE_API void wayfuse_options_init(wayfuse_options* options, size_t size);
 

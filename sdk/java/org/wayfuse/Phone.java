@@ -28,6 +28,8 @@ public final class Phone implements AutoCloseable {
     default void onState(int state) {}
     /** Numbers as in proto/README.md. */
     default void onFault(int code, String what) {}
+    /** A connection ended, in words; the phone tries again by itself. */
+    default void onDisconnected(String why) {}
     default void onSamplesLost(long first, long last) {}
     /** Asked before every connection; null = none. */
     default String token() {
