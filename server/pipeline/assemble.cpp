@@ -138,7 +138,7 @@ void choose_measurements(const Assembly& spec, PipelineParts& parts) {
   const auto [part, settings] = spec.chosen("measurement");
   if (part == "fix") {
     parts.measurement = MeasurementKind::kFix;
-    parts.fix = {settings["sigma_m"], settings["gate_sigmas"]};
+    parts.fix = {settings["sigma_m"], settings["sigma_scale"], settings["gate_sigmas"]};
   } else if (part == "ranges") {
     parts.measurement = MeasurementKind::kRanges;
     parts.range_sigma_scale = settings["sigma_scale"];

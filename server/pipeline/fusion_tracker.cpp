@@ -192,7 +192,7 @@ void FusionTracker::apply(const Fix& fix, BuildingPoint carried) {
   if (fix.place.floor != floor_.floor()) return;  // a vote that was overruled says nothing about this floor
   const BuildingPoint point = plus(fix.place.point, carried);
   if (!filter_->started() || parts_->measurement == MeasurementKind::kFix) {
-    apply_fix(point, parts_->fix.sigma_m > 0.0 ? parts_->fix.sigma_m : fix.sigma_m);
+    apply_fix(point, parts_->fix.sigma_m > 0.0 ? parts_->fix.sigma_m : parts_->fix.sigma_scale * fix.sigma_m);
   } else if (parts_->measurement == MeasurementKind::kRanges) {
     apply_ranges(carried);
   } else {

@@ -21,6 +21,7 @@ enum class GnssUse { kNone, kFix, kStart };
 
 struct FixSettings {
   double sigma_m = 0.0;            ///< 0 = the locator's own
+  double sigma_scale = 1.0;        ///< factor on the locator's own
   double gate_sigmas = 0.0;        ///< a fix farther off is not applied; 0 = every fix is
 };
 struct FieldSettings {

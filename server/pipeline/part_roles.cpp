@@ -41,6 +41,7 @@ std::span<const PartDescription> pipeline_parts() {
       PartDescription{"readings", "all", "every reading, at the scan's arrival", {}},
       PartDescription{"measurement", "fix", "the locator's point with its sigma [P1 eq. 13]",
                       {{"sigma_m", 0, 0, 100, "per axis; 0 = the locator's own; larger trusts the walking more", "[P1 eq. 13]"},
+                       {"sigma_scale", 1, 0.01, 100, "factor on the locator's own sigma; larger trusts the walking more", "-"},
                        {"gate_sigmas", 0, 0, 100, "a fix farther off is not applied; 0 = every fix is", "[P4]"}}},
       PartDescription{"measurement", "ranges", "the locator's distances, each with its sigma [P3 eq. 3]",
                       {{"sigma_scale", 1, 0.01, 100, "factor on the ranges' sigmas; larger trusts the walking more", "-"}}},

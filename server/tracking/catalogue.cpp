@@ -36,9 +36,11 @@ std::span<const MotionModelRow> motion_model_catalogue() {
           {"motion", "walk", "heading and distance move the walker, acceleration noise blurs [P1 eq. 12]",
            {{"acceleration_sigma_mps2", WalkSettings{}.acceleration_sigma_mps2, 0.0, 20.0,
              "of the unknown acceleration; 0 = as the phone states its own errors; larger spreads the particles faster",
-             "[P1 eq. 12]"}}},
+             "[P1 eq. 12]"},
+            {"blur_m_rts", WalkSettings{}.blur_m_rts, 0.0, 10.0,
+             "least blur, metres per root second; larger follows the fixes sooner and is noisier", "-"}}},
           [](const PartSettings& s) -> std::shared_ptr<const MotionModel> {
-            return std::make_shared<WalkMotion>(WalkSettings{s["acceleration_sigma_mps2"]});
+            return std::make_shared<WalkMotion>(WalkSettings{s["acceleration_sigma_mps2"], s["blur_m_rts"]});
           }},
       MotionModelRow{
           {"motion", "steps", "dead reckoning a step at a time, errors drawn per particle [P2, P3 eq. 7]",

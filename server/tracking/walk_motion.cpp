@@ -14,7 +14,7 @@ double WalkMotion::displacement_sigma_m(const Motion& motion) const {
     const double across_m = motion.distance_m * std::min(motion.heading_sigma_rad, 1.0);  // a lost heading: anywhere around
     sigma_m = std::max(motion.distance_sigma_m, across_m);
   }
-  return std::hypot(sigma_m, motion.spread_m);
+  return std::hypot(std::max(sigma_m, settings_.blur_m_rts * std::sqrt(motion.dt_s)), motion.spread_m);
 }
 
 void WalkMotion::propagate(ParticleCloud& cloud, const Motion& motion, Random& random) const {

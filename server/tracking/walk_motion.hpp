@@ -6,6 +6,7 @@ namespace wayfuse {
 
 struct WalkSettings {
   double acceleration_sigma_mps2 = 0.0;  ///< of n_x, n_y in [P1 eq. 12]; 0 = what the phone states about itself
+  double blur_m_rts = 0.3;               ///< least blur, metres per root second: covers what the phone does not know of its errors
 };
 
 /// Heading and speed move the walker, an unknown acceleration blurs: x <- x + T v cos(heading) + T^2/2 n_x [P1 eq. 12].

@@ -1,0 +1,103 @@
+#include "tests/papers/experiment.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace wayfuse::papers {
+namespace {
+
+// Two-sided 97.5 % point of Student's t for 5 and more degrees of freedom (Hill's expansion to 1/n^2; 0.3 % off at 5).
+double student(int degrees) {
+  const double z = 1.959964, n = degrees;
+  return z + (z * z * z + z) / (4 * n) + (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n);
+}
+
+bool same(const Outcome& outcome, const Claim& claim) {
+  return outcome.situation == claim.situation && outcome.system == claim.system && outcome.figure == claim.figure;
+}
+
+}  // namespace
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all = {p1_experiment(), p2_experiment(), p3_experiment(), p4_experiment(), p5_experiment()};
+  return all;
+}
+
+std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed) {
+  std::vector<std::vector<double>> values(experiment.claims.size());
+  for (int seed = 1; seed <= seeds; ++seed) {
+    for (const Outcome& outcome : experiment.run(static_cast<std::uint64_t>(seed))) {
+      const auto claim = std::ranges::find_if(experiment.claims, [&](const Claim& each) { return same(outcome, each); });
+      assert(claim != experiment.claims.end());
+      values[static_cast<std::size_t>(claim - experiment.claims.begin())].push_back(outcome.value);
+    }
+    if (after_each_seed) after_each_seed();
+  }
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    assert(!values[i].empty());
+    Row row{experiment.paper, experiment.claims[i], 0.0, 0.0, 0.0, static_cast<int>(values[i].size()), true};
+    const auto n = static_cast<double>(values[i].size());
+    for (const double value : values[i]) row.mean += value / n;
+    double squares = 0.0;
+    for (const double value : values[i]) squares += (value - row.mean) * (value - row.mean);
+    const double half = n > 1 ? student(row.seeds - 1) * std::sqrt(squares / (n - 1) / n) : 0.0;
+    row.low = row.mean - half;
+    row.high = row.mean + half;
+    row.holds = !row.claim.binding || !row.claim.paper || row.mean <= *row.claim.paper;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+PhoneTime at_s(double time_s) { return PhoneTime{from_seconds(time_s)}; }
+
+std::vector<Moment> stroll(const std::vector<BuildingPoint>& corners, double speed_mps, double dt_s) {
+  std::vector<Moment> moments;
+  double ahead_m = speed_mps * dt_s;
+  int count = 0;
+  for (std::size_t leg = 0; leg + 1 < corners.size(); ++leg) {
+    const BuildingPoint a = corners[leg], b = corners[leg + 1];
+    const double length_m = distance_m(a, b);
+    const double heading_rad = std::atan2(b.y_m - a.y_m, b.x_m - a.x_m);
+    for (; ahead_m <= length_m + 1e-9; ahead_m += speed_mps * dt_s) {
+      moments.push_back({++count * dt_s, {a.x_m + ahead_m * std::cos(heading_rad), a.y_m + ahead_m * std::sin(heading_rad)}, heading_rad});
+    }
+    ahead_m -= length_m;
+  }
+  return moments;
+}
+
+std::shared_ptr<const TrackerFactory> pipeline(const std::string& name, std::shared_ptr<const Site> site,
+                                               const std::map<std::string, PartChoice>& other_parts) {
+  auto spec = preset(name);
+  assert(spec);
+  for (const auto& [role, part] : other_parts) spec->parts[role] = part;
+  auto made = assemble(*spec, std::move(site));
+  assert(made);
+  return *made;
+}
+
+void Track::note(double time_s, const std::optional<FusedPosition>& position, BuildingPoint truth) {
+  if (!position) return;
+  errors_m.push_back(distance_m(position->place.point, truth));
+  times_s.push_back(time_s);
+  points.push_back(position->place.point);
+}
+
+double Track::rmse_m() const {
+  double squares = 0.0;
+  for (const double error : errors_m) squares += error * error;
+  return std::sqrt(squares / static_cast<double>(errors_m.size()));
+}
+
+double Track::mean_m() const {
+  double sum = 0.0;
+  for (const double error : errors_m) sum += error;
+  return sum / static_cast<double>(errors_m.size());
+}
+
+double Track::most_m() const { return std::ranges::max(errors_m); }
+
+}  // namespace wayfuse::papers

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/pipeline/tracker.hpp"
+
+namespace wayfuse::papers {
+
+/// One number of one run of an experiment.
+struct Outcome {
+  std::string situation;           ///< the paper's case, like `exponent jumps`
+  std::string system;              ///< like `fused`
+  std::string figure;              ///< like `rmse`
+  double value = 0.0;
+};
+
+/// What the paper prints, or claims in words, about such a number.
+struct Claim {
+  std::string situation;
+  std::string system;
+  std::string figure;
+  std::string unit;
+  std::optional<double> paper;     ///< the paper's own number; absent: only ours is shown
+  bool binding = true;             ///< ours must reach it; false: an opponent's figure, shown for comparison
+};
+
+/// A picture of one run, as an SVG document.
+struct Drawing {
+  std::string name;                ///< a file name without ending
+  std::string svg;
+};
+
+struct Experiment {
+  std::string paper;               ///< `P1`
+  std::string title;
+  std::string assumptions;         ///< what the paper leaves open and what was taken, in plain words
+  std::vector<Claim> claims;       ///< smaller is better in all of them
+  std::vector<Outcome> (*run)(std::uint64_t seed);
+  std::vector<Drawing> (*draw)(std::uint64_t seed);
+};
+
+const std::vector<Experiment>& experiments();
+Experiment p1_experiment();
+Experiment p2_experiment();
+Experiment p3_experiment();
+Experiment p4_experiment();
+Experiment p5_experiment();
+
+/// A claim beside what `seeds` runs gave.
+struct Row {
+  std::string paper;
+  Claim claim;
+  double mean = 0.0;
+  double low = 0.0;                ///< 95 % interval of the mean over seeds
+  double high = 0.0;
+  int seeds = 0;
+  bool holds = false;              ///< the mean reaches the paper's figure; always true for what does not bind
+};
+/// Runs seeds 1..seeds. An outcome without a claim, or a claim without outcomes, is a bug of the experiment and asserted.
+std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed = {});
+
+// --- what the experiments share ---------------------------------------------------------------------------------------------
+
+/// A moment of a simulated walk.
+struct Moment {
+  double time_s = 0.0;
+  BuildingPoint point;
+  double heading_rad = 0.0;
+};
+/// Along a polyline at constant speed, one moment every `dt_s`, the first after one `dt_s`.
+std::vector<Moment> stroll(const std::vector<BuildingPoint>& corners, double speed_mps, double dt_s);
+
+PhoneTime at_s(double time_s);
+/// A preset, some of its parts replaced, prepared for a site. Asserts that it assembles.
+std::shared_ptr<const TrackerFactory> pipeline(const std::string& name, std::shared_ptr<const Site> site,
+                                               const std::map<std::string, PartChoice>& other_parts = {});
+
+/// Errors of one system along a walk, with its track for the pictures.
+struct Track {
+  std::vector<double> errors_m;
+  std::vector<double> times_s;
+  std::vector<BuildingPoint> points;
+  void note(double time_s, const std::optional<FusedPosition>& position, BuildingPoint truth);
+  double rmse_m() const;
+  double mean_m() const;
+  double most_m() const;
+};
+
+}  // namespace wayfuse::papers

@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/papers/experiment.hpp"
+#include "tests/papers/radio_world.hpp"
+
+// The orderings of the papers' tables, over fewer seeds than `wayfuse-eval papers` runs: they must not turn round.
+namespace wayfuse::papers {
+namespace {
+
+constexpr int kSeeds = 8;
+
+double figure(const std::vector<Row>& rows, const std::string& situation, const std::string& system, const std::string& figure) {
+  for (const Row& row : rows) {
+    if (row.claim.situation == situation && row.claim.system == system && row.claim.figure == figure) return row.mean;
+  }
+  ADD_FAILURE() << "no row " << situation << ", " << system << ", " << figure;
+  return NAN;
+}
+
+TEST(Papers, P1FusionBeatsBothItsSubsystemsAndTheOthers) {
+  const auto rows = judge(p1_experiment(), kSeeds);
+  const auto rmse = [&](const char* system) { return figure(rows, "office floor", system, "rmse"); };
+  EXPECT_LT(rmse("fused"), 0.6 * rmse("WLAN"));
+  EXPECT_LT(rmse("WLAN"), rmse("MARG"));
+  EXPECT_LT(rmse("fused"), rmse("RADAR"));
+  EXPECT_LT(rmse("WLAN"), rmse("trilateration"));
+  EXPECT_LT(rmse("fused"), rmse("propagation model"));
+}
+
+TEST(Papers, P2CombinationBeatsTheFingerprint) {
+  const auto rows = judge(p2_experiment(), kSeeds);
+  EXPECT_LT(figure(rows, "12 check points", "combined", "mean error"), figure(rows, "12 check points", "fingerprint", "mean error"));
+}
+
+TEST(Papers, P3LearningTheExponentSavesTheFilter) {
+  const auto rows = judge(p3_experiment(), kSeeds);
+  for (const char* air : {"exponent drifts to 2.34", "exponent jumps to 2.4"}) {
+    EXPECT_LT(figure(rows, air, "algorithm 2", "max error"), 0.5 * figure(rows, air, "PF", "max error")) << air;
+    EXPECT_LT(figure(rows, air, "PF", "max error"), figure(rows, air, "RSSI alone", "max error")) << air;
+  }
+}
+
+TEST(Papers, P4FilterBeatsTheNearestNeighbour) {
+  const auto rows = judge(p4_experiment(), 4);
+  EXPECT_LT(figure(rows, "80 measurements", "Kalman filter", "mean error"),
+            figure(rows, "80 measurements", "nearest neighbour", "mean error"));
+}
+
+TEST(Papers, P5FusionBeatsSatellitesByEveryFilter) {
+  const auto rows = judge(p5_experiment(), kSeeds);
+  for (const char* filter : {"PF", "EKF", "UKF"}) {
+    EXPECT_LT(figure(rows, "canyon", filter, "mean error"), 0.5 * figure(rows, "canyon", "GNSS", "mean error")) << filter;
+  }
+}
+
+TEST(Papers, ARunRepeatsItself) {
+  const auto one = judge(p3_experiment(), 1), two = judge(p3_experiment(), 1);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].mean, two[i].mean);
+}
+
+TEST(RadioWorld, FadesAsItsSettingsSay) {
+  Random random(1);
+  RadioWorld world({.level_at_1m_dbm = -40, .exponent = 3.0, .wall_db = 5.0}, {{0, 0}}, {{{5, -1}, {5, 1}}}, random);
+  EXPECT_NEAR(world.mean_dbm(0, {-10, 0}), -70.0, 1e-9);
+  EXPECT_NEAR(world.mean_dbm(0, {10, 0}), -75.0, 1e-9);
+  world.block(0, 8.0);
+  EXPECT_NEAR(world.mean_dbm(0, {-10, 0}), -78.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace wayfuse::papers
