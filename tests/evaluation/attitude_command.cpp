@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 // Where the trials of Michel et al. were made (Grenoble, 2016), by the world magnetic model: their truth is against true north.
-constexpr MagneticField kGrenoble{1.6 * kDegree, 61.6 * kDegree, 47.1};
+constexpr MagneticField kGrenoble{1.9 * kDegree, 61.6 * kDegree, 47.1};
 
 struct AttitudeOptions {
   std::string data, format = "broad", json, report;

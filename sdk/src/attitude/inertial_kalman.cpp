@@ -83,7 +83,7 @@ void InertialKalman::update(int state, double innovation, double noise, double b
 void InertialKalman::stay(const InertialKalmanSettings& s, double dt, bool at_rest, double shake,
                           Correction& correction) {
   const double noise = s.velocity_sigma_mps_rts * s.velocity_sigma_mps_rts * (1.0 + s.shake_velocity * shake) / dt;
-  const double bias_gain = at_rest ? 1.0 : s.motion_bias_gain / (1.0 + s.shake_bias * shake);
+  const double bias_gain = at_rest ? 1.0 : s.motion_bias_gain / (1.0 + s.shake_bias * shake * shake);
   update(kVelocity, -velocity_mps[0], noise, bias_gain, correction);
   update(kVelocity + 1, -velocity_mps[1], noise, bias_gain, correction);
   const auto within = [&](double& bias) { bias = std::clamp(bias, -s.bias_most_radps, s.bias_most_radps); };

@@ -15,7 +15,7 @@ struct InertialKalmanSettings {
   double rest_rate_sigma_radps_rts = 0.0035;   ///< of the mean rate at rest (0.2 degrees a second times root second)
   double motion_bias_gain = 0.5;               ///< share of the optimal bias correction taken while moving, 0..1
   double shake_velocity = 0.02;                ///< growth of the velocity's variance per (m/s2)^2 of shaking: runners fly
-  double shake_bias = 0.05;                    ///< fall of the bias gain per (m/s2)^2 of shaking
+  double shake_bias = 0.03;                    ///< fall of the bias gain per (m/s2)^4 of shaking: walking hardly, running much
 };
 
 /// The error-state Kalman filter behind the strap-down: tilt, heading, horizontal velocity, gyroscope bias.
