@@ -196,7 +196,7 @@ std::optional<Attitude> BlockHeading::attitude() const {
   Attitude attitude;
   attitude.time = s.time;
   attitude.turn_rate_radps = s.rate_radps - s.kalman.bias_radps;
-  Quaternion q = s.q;
+  Quaternion q = normalized(s.q);  // the series leaves 1e-7 within a block
   if (settings_.sensor_delay_s > 0.0) q = q * small_turn(attitude.turn_rate_radps * settings_.sensor_delay_s);
   attitude.body_to_level = q;
   if (s.compass.pointed) q = about_up(s.compass.heading_rad(s.hard_iron.offset_ut)) * q;
