@@ -12,11 +12,11 @@ namespace wayfuse {
 /// One line of the audit: which key did or read what. Never a position, a token or a person [C19].
 struct AuditRecord {
   std::uint64_t id = 0;                  ///< given by the store, ascending
-  UnixTime at;
+  UnixTime at = {};
   std::uint64_t key_id = 0;              ///< 0 = nobody or the server itself
-  BuildingId building;                   ///< 0 = none
-  std::string action;                    ///< like `observe`, `keys.revoke`; 1..64 bytes
-  std::string subject;                   ///< what it was done to, like `key 4`
+  BuildingId building = {};                 ///< 0 = none
+  std::string action = {};                   ///< like `observe`, `keys.revoke`; 1..64 bytes
+  std::string subject = {};                  ///< what it was done to, like `key 4`
   bool operator==(const AuditRecord&) const = default;
 };
 

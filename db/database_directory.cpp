@@ -13,6 +13,8 @@
 namespace wayfuse {
 namespace {
 
+Fault closed() { return {FaultCode::kDraining, "", "the store is closed"}; }
+
 bool passes_by_itself(FaultCode code) {
   return code == FaultCode::kStorageFull || code == FaultCode::kStorageFailed || code == FaultCode::kStoreBusy;
 }
@@ -32,22 +34,24 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   ~DirectoryOnDisk() override { close(); }
 
   void with_building(BuildingId id, std::function<void(Result<BuildingDatabase*>)> task) override {
-    queue_.post(id, [this, id, task = std::move(task)] {
+    const bool taken = queue_.post(id, [this, id, task] {
       task(find(id));
       put_aside_if_corrupt(id);
     });
+    if (!taken) task(closed());
   }
 
   void store(BuildingId id, SurveyBatch batch, std::function<void(Result<SurveyAck>)> done) override {
-    queue_.upload({id, std::move(batch), std::move(done)});
+    PendingUpload upload{id, std::move(batch), std::move(done)};
+    if (!queue_.upload(upload)) upload.done(closed());
   }
 
   void create_building(BuildingRecord building, std::function<void(Result<BuildingRecord>)> done) override {
-    queue_.post(std::nullopt, [this, building = std::move(building), done = std::move(done)] { done(create(building)); });
+    if (!queue_.post(std::nullopt, [this, building = std::move(building), done] { done(create(building)); })) done(closed());
   }
 
   void restore_building(std::filesystem::path backup, std::function<void(Result<BuildingRecord>)> done) override {
-    queue_.post(std::nullopt, [this, backup = std::move(backup), done = std::move(done)] { done(restore(backup)); });
+    if (!queue_.post(std::nullopt, [this, backup = std::move(backup), done] { done(restore(backup)); })) done(closed());
   }
 
   std::vector<BuildingId> buildings() const override {
@@ -79,7 +83,13 @@ class DirectoryOnDisk final : public DatabaseDirectory {
       audit_waiting_.push_back({std::move(record), std::move(done)});
       if (audit_waiting_.size() > 1) return;  // the task of the first takes all
     }
-    queue_.post(std::nullopt, [this] { write_waiting_audit(); });
+    if (queue_.post(std::nullopt, [this] { write_waiting_audit(); })) return;
+    std::vector<WaitingAudit> refused;
+    {
+      const std::lock_guard lock(mutex_);
+      refused.swap(audit_waiting_);
+    }
+    for (const WaitingAudit& entry : refused) entry.done(closed());
   }
   Result<std::vector<AuditRecord>> audited(const AuditQuery& query) override {
     return on_writer<std::vector<AuditRecord>>([&] { return server_.audited(query); });
@@ -115,7 +125,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   template <typename T>
   Result<T> on_writer(const std::function<Result<T>()>& task) {
     std::optional<Result<T>> answer;
-    queue_.call([&] { answer.emplace(task()); });
+    if (!queue_.call([&] { answer.emplace(task()); })) return closed();
     return std::move(*answer);
   }
 

@@ -74,7 +74,7 @@ class DatabaseDirectory {
   /// Retention: forgets older lines, answers how many.
   virtual Result<std::uint64_t> forget_audit(UnixTime before) = 0;
 
-  /// Finishes what is queued, checkpoints, closes. No call after it.
+  /// Finishes what is queued, checkpoints, closes. Every later call is answered kDraining, on the caller's thread.
   virtual void close() = 0;
 };
 

@@ -30,13 +30,13 @@ FaultCode code_of(int extended, int system_errno) {
   }
 }
 
-// Asked of the VFS itself: sqlite3_system_errno() is not set when a COMMIT fails.
+// Asked of the VFS itself where a file is open: sqlite3_system_errno() is not set when a COMMIT fails.
 int system_errno_of(sqlite3* connection, int extended) {
   const int primary = extended & 0xff;
   if (connection == nullptr || (primary != SQLITE_IOERR && primary != SQLITE_CANTOPEN)) return 0;
   sqlite3_vfs* vfs = nullptr;
-  if (sqlite3_file_control(connection, "main", SQLITE_FCNTL_VFS_POINTER, &vfs) != SQLITE_OK || vfs == nullptr) return 0;
-  return vfs->xGetLastError != nullptr ? vfs->xGetLastError(vfs, 0, nullptr) : 0;
+  const bool opened = sqlite3_file_control(connection, "main", SQLITE_FCNTL_VFS_POINTER, &vfs) == SQLITE_OK && vfs != nullptr;
+  return opened && vfs->xGetLastError != nullptr ? vfs->xGetLastError(vfs, 0, nullptr) : sqlite3_system_errno(connection);
 }
 
 [[noreturn]] void fail(sqlite3* connection, int code, std::string_view file) {

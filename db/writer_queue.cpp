@@ -14,26 +14,41 @@ WriterQueue::~WriterQueue() { stop(); }
 
 bool WriterQueue::on_writer_thread() const { return !settings_.own_thread || std::this_thread::get_id() == thread_.get_id(); }
 
-void WriterQueue::post(std::optional<BuildingId> building, std::function<void()> task) {
-  if (!settings_.own_thread) return task();
+bool WriterQueue::stopped() const {
+  const std::lock_guard lock(mutex_);
+  return stopping_;
+}
+
+bool WriterQueue::post(std::optional<BuildingId> building, std::function<void()> task) {
+  if (!settings_.own_thread) {
+    if (stopped()) return false;
+    task();
+    return true;
+  }
   {
     const std::lock_guard lock(mutex_);
+    // What the writer's own callbacks post while it stops is still done: the thread leaves an empty queue only.
+    if (stopping_ && !on_writer_thread()) return false;
     entries_.push_back({building, std::move(task), {}});
   }
   arrived_.notify_one();
+  return true;
 }
 
-void WriterQueue::upload(PendingUpload upload) {
+bool WriterQueue::upload(PendingUpload& upload) {
   if (!settings_.own_thread) {
+    if (stopped()) return false;
     const BuildingId building = upload.building;
     std::vector<PendingUpload> group;
     group.push_back(std::move(upload));
-    return commit_(building, std::move(group));
+    commit_(building, std::move(group));
+    return true;
   }
   const std::size_t points = upload.batch.points.size();
   bool full = false;
   {
     const std::lock_guard lock(mutex_);
+    if (stopping_ && !on_writer_thread()) return false;
     full = waiting_points_ + points > settings_.most_points;
     if (!full) {
       waiting_points_ += points;
@@ -41,20 +56,27 @@ void WriterQueue::upload(PendingUpload upload) {
       entries_.push_back({upload.building, {}, std::move(upload)});
     }
   }
-  if (!full) return arrived_.notify_one();
-  post(std::nullopt, [done = std::move(upload.done), most = settings_.most_points] {
+  if (!full) {
+    arrived_.notify_one();
+    return true;
+  }
+  return post(std::nullopt, [done = std::move(upload.done), most = settings_.most_points] {
     done(Fault{FaultCode::kOverloaded, "points", std::to_string(most) + " points wait for the disk already"});
   });
 }
 
-void WriterQueue::call(const std::function<void()>& task) {
-  if (on_writer_thread()) return task();
+bool WriterQueue::call(const std::function<void()>& task) {
+  if (settings_.own_thread && on_writer_thread()) {
+    task();
+    return true;
+  }
   const auto finished = std::make_shared<std::promise<void>>();
-  post(std::nullopt, [&task, finished] {
+  const bool taken = post(std::nullopt, [&task, finished] {
     task();
     finished->set_value();
   });
-  finished->get_future().wait();
+  if (taken) finished->get_future().wait();
+  return taken;
 }
 
 void WriterQueue::stop() {

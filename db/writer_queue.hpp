@@ -40,11 +40,12 @@ class WriterQueue {
   WriterQueue(const Settings& settings, Commit commit);
   ~WriterQueue();
 
-  void post(std::optional<BuildingId> building, std::function<void()> task);
-  void upload(PendingUpload upload);
+  /// False, and nothing done, after stop(); so for all three.
+  bool post(std::optional<BuildingId> building, std::function<void()> task);
+  bool upload(PendingUpload& upload);
   /// Runs `task` on the writer thread and waits for it; from the writer thread itself, at once.
-  void call(const std::function<void()>& task);
-  /// Finishes what waits and joins. Nothing may be posted after it.
+  bool call(const std::function<void()>& task);
+  /// Finishes what waits and joins.
   void stop();
 
  private:
@@ -57,6 +58,7 @@ class WriterQueue {
   bool group_is_ready() const;
   std::vector<PendingUpload> take_group();
   bool on_writer_thread() const;
+  bool stopped() const;
 
   const Settings settings_;
   const Commit commit_;

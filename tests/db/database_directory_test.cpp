@@ -315,6 +315,23 @@ TEST(DatabaseDirectory, RefusesMoreThanItCanHoldWaiting) {
   EXPECT_THAT(answers, ::testing::ElementsAre(FaultCode{}, FaultCode{}, FaultCode::kOverloaded));
 }
 
+TEST(DatabaseDirectory, AnswersThatItIsClosedInsteadOfHanging) {
+  for (const bool own_thread : {true, false}) {
+    const TemporaryFolder folder;
+    const auto directory = opened(folder, own_thread);
+    ASSERT_TRUE(create(*directory, sample_building(1)));
+    directory->close();
+    EXPECT_EQ(store(*directory, {1}, sample_batch(1)).fault().code, FaultCode::kDraining);
+    EXPECT_EQ(count(*directory, {1}).fault().code, FaultCode::kDraining);
+    EXPECT_EQ(create(*directory, sample_building(2)).fault().code, FaultCode::kDraining);
+    EXPECT_EQ(directory->keys().fault().code, FaultCode::kDraining);
+    std::promise<Result<void>> audited;
+    directory->audit({.action = "late"}, [&](Result<void> done) { audited.set_value(std::move(done)); });
+    EXPECT_EQ(audited.get_future().get().fault().code, FaultCode::kDraining);
+    directory->close();
+  }
+}
+
 TEST(DatabaseDirectory, RunsWithoutAThreadForTheSimulation) {
   const TemporaryFolder folder;
   const auto directory = opened(folder, false);

@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <optional>
 
-#include "db/building_database.hpp"
+#include "db/database_directory.hpp"
 #include "tests/db/faulty_disk.hpp"
 #include "tests/db/survey_world.hpp"
 
@@ -190,6 +190,84 @@ TEST(FullDisk, IsNamedAndUsedAgainOnceThereIsRoom) {
     EXPECT_EQ(store.database().count_points().value(), 0u) << code.name;
   }
   EXPECT_TRUE(store.database().store({sample_batch(1)}).at(0));
+}
+
+// A whole folder on the faulty disk, without a thread: its databases live there, their empty stand-ins in the real folder.
+std::unique_ptr<DatabaseDirectory> open_folder(const FaultyDisk& disk, const TemporaryFolder& folder) {
+  DatabaseDirectory::Options options;
+  options.vfs = disk.name();
+  options.own_thread = false;
+  auto directory = DatabaseDirectory::open(folder.path(), options);
+  EXPECT_TRUE(directory) << to_string(directory.fault());
+  return directory ? std::move(*directory) : nullptr;
+}
+
+KeyRecord sample_key(char hash) {
+  KeyRecord key;
+  key.name = "a key";
+  key.keyed_hash = std::string(32, hash);
+  key.scopes = {"survey"};
+  return key;
+}
+
+TEST(FullDisk, AtStartABuildingWaitsUntilThereIsRoom) {
+  FaultyDisk disk;
+  const TemporaryFolder folder;
+  auto directory = open_folder(disk, folder);
+  directory->create_building(sample_building(7), [](Result<BuildingRecord> made) { ASSERT_TRUE(made); });
+  directory->store({7}, sample_batch(1), [](Result<SurveyAck> ack) { ASSERT_TRUE(ack); });
+  directory->close();
+  directory.reset();
+  // The server's own file opens; every open after it finds the disk full, and so does the building's.
+  const std::uint64_t before = disk.calls(DiskCall::kOpen);
+  directory = open_folder(disk, folder);
+  const std::uint64_t all = disk.calls(DiskCall::kOpen) - before;
+  directory->close();
+  directory.reset();
+  disk.fail({DiskCall::kOpen, all, SQLITE_CANTOPEN, ENOSPC, true});
+  directory = open_folder(disk, folder);
+  ASSERT_TRUE(disk.has_failed());
+  const auto count = [&] {
+    Result<std::uint64_t> points = Fault{};
+    directory->with_building({7}, [&](Result<BuildingDatabase*> b) { points = b ? (*b)->count_points() : Result<std::uint64_t>(b.fault()); });
+    return points;
+  };
+  ASSERT_EQ(directory->quarantined().size(), 1u);
+  EXPECT_EQ(directory->quarantined()[0].second.code, FaultCode::kStorageFull);
+  EXPECT_EQ(count().fault().code, FaultCode::kStorageFull);
+  directory->create_building(sample_building(7), [](Result<BuildingRecord> made) { EXPECT_EQ(made.fault().code, FaultCode::kConflict); });
+  disk.heal();
+  EXPECT_EQ(count().value(), 2u) << "without a restart";
+  EXPECT_TRUE(directory->quarantined().empty());
+  EXPECT_EQ(directory->buildings().size(), 1u);
+}
+
+TEST(PowerCut, AtAnyChangeLeavesKeysAndAuditAsAcknowledged) {
+  for (std::uint64_t nth = 1;; ++nth) {
+    FaultyDisk disk;
+    const TemporaryFolder folder;
+    auto directory = open_folder(disk, folder);
+    const std::string secret = directory->server_secret().value();
+    disk.cut_power_at(nth);
+    const bool first = directory->add_key(sample_key('a')).has_value();
+    const bool second = directory->add_key(sample_key('b')).has_value();
+    const bool revoked = directory->revoke_key(1).has_value();
+    bool audited = false;
+    directory->audit({.action = "keys.revoke", .subject = "key 1"}, [&](Result<void> done) { audited = done.has_value(); });
+    directory->close();
+    directory.reset();
+    const bool cut = disk.power_is_cut();
+    Random luck(nth);
+    disk.restore_power(luck);
+    directory = open_folder(disk, folder);
+    ASSERT_NE(directory, nullptr) << nth;
+    EXPECT_EQ(directory->server_secret().value(), secret) << nth;
+    const std::vector<KeyRecord> keys = directory->keys().value();
+    EXPECT_GE(keys.size(), static_cast<std::size_t>(first + second)) << nth;
+    EXPECT_TRUE(!revoked || keys.at(0).revoked) << "a revocation came undone, change " << nth;
+    EXPECT_GE(directory->audited({})->size(), audited ? 1u : 0u) << nth;
+    if (!cut) break;
+  }
 }
 
 }  // namespace
