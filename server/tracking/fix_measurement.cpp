@@ -2,19 +2,13 @@
 
 #include <algorithm>
 
+#include "server/tracking/particle_kernels.hpp"
+
 namespace wayfuse {
 
 void FixMeasurement::weigh(const ParticleCloud& cloud, std::span<float> log_weight) const {
-  const auto x_m = cloud.x_m();
-  const auto y_m = cloud.y_m();
-  const auto zx = static_cast<float>(x_m_);
-  const auto zy = static_cast<float>(y_m_);
-  const auto scale = static_cast<float>(-0.5 / (sigma_m_ * sigma_m_));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float dx = x_m[i] - zx;
-    const float dy = y_m[i] - zy;
-    log_weight[i] += scale * (dx * dx + dy * dy);
-  }
+  kernels::add_squared_distance(cloud.x_m(), cloud.y_m(), static_cast<float>(x_m_), static_cast<float>(y_m_),
+                                static_cast<float>(-0.5 / (sigma_m_ * sigma_m_)), log_weight);
 }
 
 void FixMeasurement::residual(const State& state, std::span<double> out) const {

@@ -1,8 +1,12 @@
 #include "server/tracking/particle_cloud.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
+
+#include "server/tracking/particle_kernels.hpp"
 
 namespace wayfuse {
 
@@ -13,30 +17,44 @@ ParticleCloud::ParticleCloud(std::size_t size, unsigned optional_columns) : size
     if (columns >> column & 1u) column_[column].assign(padded, 0.0f);
   }
   spare_.assign(padded, 0.0f);
+  weight_.assign(padded, 0.0f);
+  std::ranges::fill(column_[kLogWeight], -std::numeric_limits<float>::infinity());
+  level();
+}
+
+void ParticleCloud::level() {
+  std::ranges::fill(log_weight(), -std::log(static_cast<float>(size_)));
+  std::ranges::fill(weight_, 1.0f / static_cast<float>(size_));
+  effective_size_ = static_cast<double>(size_);
 }
 
 bool ParticleCloud::normalise() {
-  const std::span<float> weights = log_weight();
-  float most = -INFINITY;
-  for (float& weight : weights) {
-    if (std::isnan(weight)) weight = -INFINITY;  // a particle nobody can weigh counts for nothing
-    most = std::max(most, weight);
-  }
+  float* const log_weights = column_[kLogWeight].data();
+  const float most = kernels::clean_and_max(log_weights, padded_size());
   if (!std::isfinite(most)) {
-    std::ranges::fill(weights, -std::log(static_cast<float>(size_)));
+    level();
     return false;
   }
-  double sum = 0.0;
-  for (const float weight : weights) sum += std::exp(static_cast<double>(weight - most));
+  kernels::exponentials(log_weights, padded_size(), most, weight_.data());
+  constexpr std::size_t kLanes = 16;  // fixed, so that the sums do not depend on the machine
+  std::array<float, kLanes> sums{}, squares{};
+  for (std::size_t i = 0; i < padded_size(); i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      sums[lane] += weight_[i + lane];
+      squares[lane] += weight_[i + lane] * weight_[i + lane];
+    }
+  }
+  double sum = 0.0, square = 0.0;
+  for (const float each : sums) sum += static_cast<double>(each);
+  for (const float each : squares) square += static_cast<double>(each);
+  effective_size_ = sum * sum / square;
   const float shift = most + static_cast<float>(std::log(sum));
-  for (float& weight : weights) weight -= shift;
+  const auto scale = static_cast<float>(1.0 / sum);
+  for (std::size_t i = 0; i < padded_size(); ++i) {
+    log_weights[i] -= shift;
+    weight_[i] *= scale;
+  }
   return true;
-}
-
-double ParticleCloud::effective_size() const {
-  double squares = 0.0;
-  for (const float weight : log_weight()) squares += std::exp(2.0 * static_cast<double>(weight));
-  return squares > 0.0 ? 1.0 / squares : 0.0;
 }
 
 void ParticleCloud::take_ancestors() {
@@ -49,7 +67,7 @@ void ParticleCloud::take_ancestors() {
     }
     values.swap(spare_);
   }
-  std::ranges::fill(log_weight(), -std::log(static_cast<float>(size_)));
+  level();
 }
 
 }  // namespace wayfuse

@@ -22,6 +22,8 @@ class ParticleCloud {
   ParticleCloud(std::size_t size, unsigned optional_columns);
 
   std::size_t size() const { return size_; }
+  /// Entries every column really holds: those past size() belong to nobody, and their log weights are -inf.
+  std::size_t padded_size() const { return spare_.size(); }
   bool has(Column column) const { return !column_[column].empty(); }
 
   std::span<float> operator[](Column column) { return {column_[column].data(), has(column) ? size_ : 0}; }
@@ -43,8 +45,12 @@ class ParticleCloud {
 
   /// Shifts the log weights so that the weights sum to 1. False, and equal weights, when no particle has a finite weight.
   bool normalise();
-  /// 1 / sum of squared weights, of normalised weights: 1..N.
-  double effective_size() const;
+  /// 1 / sum of squared weights, as of the newest normalise(): 1..N.
+  double effective_size() const { return effective_size_; }
+  /// The weights themselves, as normalise() found them; they sum to 1 within 1e-5.
+  std::span<const float> weights() const { return {weight_.data(), size_}; }
+  /// Equal weights for all.
+  void level();
   /// Particle i becomes a copy of particle ancestors()[i]; all weights become equal.
   void take_ancestors();
   /// Scratch for resamplers, one entry a particle.
@@ -54,6 +60,8 @@ class ParticleCloud {
   std::size_t size_ = 0;
   std::vector<float> column_[kColumns];
   std::vector<float> spare_;
+  std::vector<float> weight_;
+  double effective_size_ = 0.0;
   std::vector<std::uint32_t> ancestors_;
 };
 

@@ -29,7 +29,7 @@ void ParticleFilter::start(const GaussianState& about, Random& random) {
   scatter(cloud_.y_m(), about.mean.y_m, about.covariance[5]);
   scatter(cloud_.vx_mps(), about.mean.vx_mps, about.covariance[10]);
   scatter(cloud_.vy_mps(), about.mean.vy_mps, about.covariance[15]);
-  std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
+  cloud_.level();
   motion_->start(cloud_, random);
   started_ = true;
 }

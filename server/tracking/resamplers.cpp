@@ -8,7 +8,7 @@
 namespace wayfuse {
 namespace {
 
-double weight(const ParticleCloud& cloud, std::size_t i) { return std::exp(static_cast<double>(cloud.log_weight()[i])); }
+double weight(const ParticleCloud& cloud, std::size_t i) { return static_cast<double>(cloud.weights()[i]); }
 
 // Ancestors for `pointers` ascending positions in [0, 1), given by position(k), of the distribution share(i).
 template <typename Share, typename Position>
@@ -55,10 +55,20 @@ void MultinomialResampler::resample(ParticleCloud& cloud, Random& random) const 
 }
 
 void SystematicResampler::resample(ParticleCloud& cloud, Random& random) const {
-  const double step = 1.0 / static_cast<double>(cloud.size());
-  const double first = random.uniform() * step;
-  point_out(cloud.ancestors(), cloud.size(), [&](std::size_t i) { return weight(cloud, i); },
-            [&](std::size_t k) { return first + static_cast<double>(k) * step; });
+  // Particle i is pointed at by those of the pointers u, u + 1, ... that lie below N times the weights up to and with it.
+  const auto weights = cloud.weights();
+  const auto ancestors = cloud.ancestors();
+  const auto particles = static_cast<double>(cloud.size());
+  const double first = random.uniform();
+  double reached = 0.0;
+  std::size_t pointed = 0;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    reached += particles * static_cast<double>(weights[i]);
+    const auto below = static_cast<std::size_t>(std::max(0.0, std::ceil(reached - first)));
+    for (const std::size_t end = std::min(below, cloud.size()); pointed < end; ++pointed) ancestors[pointed] = i;
+  }
+  const std::uint32_t last = pointed > 0 ? ancestors[pointed - 1] : 0;
+  std::fill(ancestors.begin() + static_cast<std::ptrdiff_t>(pointed), ancestors.end(), last);  // rounding ate the end
   cloud.take_ancestors();
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/tracking/noise.hpp"
+#include "server/tracking/particle_kernels.hpp"
 
 namespace wayfuse {
 
@@ -10,12 +10,7 @@ double StillMotion::sigma_m(const Motion& motion) const { return settings_.wande
 
 void StillMotion::propagate(ParticleCloud& cloud, const Motion& motion, Random& random) const {
   const auto sigma = static_cast<float>(sigma_m(motion));
-  const Noise noise(random);
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const Noise::Pair n = noise.normal(i);
-    cloud.x_m()[i] += sigma * n.first;
-    cloud.y_m()[i] += sigma * n.second;
-  }
+  kernels::walk(cloud.x_m().data(), cloud.y_m().data(), cloud.padded_size(), 0.0f, 0.0f, sigma, random.bits());
 }
 
 StateMatrix StillMotion::jacobian(const State&, const Motion&) const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/tracking/noise.hpp"
+#include "server/tracking/particle_kernels.hpp"
 
 namespace wayfuse {
 
@@ -21,14 +21,7 @@ void WalkMotion::propagate(ParticleCloud& cloud, const Motion& motion, Random& r
   const auto dx_m = static_cast<float>(motion.distance_m * std::cos(motion.heading_rad));
   const auto dy_m = static_cast<float>(motion.distance_m * std::sin(motion.heading_rad));
   const auto sigma_m = static_cast<float>(displacement_sigma_m(motion));
-  const Noise noise(random);
-  const auto x_m = cloud.x_m();
-  const auto y_m = cloud.y_m();
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const Noise::Pair n = noise.normal(i);
-    x_m[i] += dx_m + sigma_m * n.first;
-    y_m[i] += dy_m + sigma_m * n.second;
-  }
+  kernels::walk(cloud.x_m().data(), cloud.y_m().data(), cloud.padded_size(), dx_m, dy_m, sigma_m, random.bits());
 }
 
 State WalkMotion::propagate(const State& state, const Motion& motion) const {
