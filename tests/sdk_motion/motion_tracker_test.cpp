@@ -50,6 +50,23 @@ TEST(MotionTracker, CountsTheStepsOfAWalk) {
   }
 }
 
+// Walking is recognised after two seconds or so; the steps before it are not lost, and no report tells of a sprint.
+TEST(MotionTracker, StepsRecognisedLateFollowOneByOne) {
+  MotionTracker phone = tracker();
+  for (int i = 0; i < 250; ++i) phone.feed(sense(i * 0.02, held(0)));
+  int steps = 0;
+  double fastest_mps = 0.0;
+  for (double t = 5.0; t < 15.0; t += 0.02) {
+    if (const auto report = phone.feed(walking(t, held(0)))) {
+      EXPECT_LE(report->steps, 1);
+      steps += report->steps;
+      if (report->steps > 0) fastest_mps = std::max(fastest_mps, report->distance_m() / seconds(report->interval));
+    }
+  }
+  EXPECT_NEAR(steps, 20, 2);
+  EXPECT_LT(fastest_mps, 13.0);
+}
+
 TEST(MotionTracker, ReportsTheDirectionOfAPhoneHeldFlatTiltedAndUpright) {
   for (const double pitch : {0.0, 30.0, 60.0, 89.9, 100.0}) {
     MotionTracker phone = tracker();

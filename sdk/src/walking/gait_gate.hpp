@@ -31,7 +31,7 @@ struct GaitGate {
   static constexpr int kNewest = 8, kOldest = 35;  // lags
 
   bool walking = false;
-  double log_odds = -3.0;
+  double log_odds = 0.0;     ///< nothing known yet
   GaitFeatures features;
 
   /// One reading, `dt_s` after the one before; true when a new decision was made.

@@ -20,6 +20,13 @@ constexpr double kRestDeviation = 0.35;       // m/s2, smoothed mean of | |a| - 
 constexpr double kTurningRadps = 0.35;        // mean over the interval, 20 degrees a second
 constexpr double kStandingSigmaM = 0.1;       // of an interval without steps
 constexpr double kGapS = 1.0;
+constexpr double kCatchUpS = 0.1;             // steps recognised late come out one by one, so far apart
+
+// From the level frame to the attitude's own axes.
+double yaw_from_level_rad(const Attitude& attitude) {
+  const Quaternion d = attitude.body_to_enu * conjugate(attitude.body_to_level);
+  return 2.0 * std::atan2(d.z, d.w);
+}
 
 }  // namespace
 
@@ -38,14 +45,27 @@ struct MotionTracker::State {
   double turned_rad = 0.0;       // since the last report
   double turned_walk_rad = 0.0;  // since the last acceleration
   std::optional<Vector3> field;
+  // Steps counted and not reported yet, oldest first; and where the walker was heading in the last seconds.
+  Step waiting[2 * StepBatch::kMost];
+  int waiting_count = 0;
+  static constexpr int kPast = 64;
+  struct Past {
+    PhoneTime time;
+    Heading level;               // in the level frame, so that a compass correction since then counts
+  };
+  Past past[kPast];
+  int past_next = 0, past_count = 0;
   std::uint64_t step_count = 0;
   double newest_length_m = 0.0;
 
   void watch_turn(const SampleGate::Passed& rate, const Attitude& attitude);
   StepBatch watch_steps(PhoneTime time, const SampleGate::Passed& acceleration, const std::optional<Attitude>& attitude);
   bool resting(PhoneTime time) const;
-  void add_steps(const StepBatch& batch, MotionReport& report);
-  MotionReport report(PhoneTime time, const Attitude& attitude, const StepBatch& batch);
+  void wait(const StepBatch& batch);
+  void remember_heading(const Attitude& attitude);
+  Heading heading_at(PhoneTime time, const Attitude& attitude) const;
+  void add_step(const Attitude& attitude, MotionReport& report);
+  MotionReport report(PhoneTime time, const Attitude& attitude, bool with_step);
 };
 
 bool MotionTracker::State::resting(PhoneTime time) const {
@@ -76,19 +96,43 @@ StepBatch MotionTracker::State::watch_steps(PhoneTime time, const SampleGate::Pa
   return batch;
 }
 
-void MotionTracker::State::add_steps(const StepBatch& batch, MotionReport& report) {
-  double total = 0.0;
-  for (int i = 0; i < batch.count; ++i) total += newest_length_m = length.take(length_settings, batch.steps[i]);
-  length.walked(total, total * report.heading.cos(), total * report.heading.sin());
-  step_count += static_cast<std::uint64_t>(batch.count);
-  last_step = batch.steps[batch.count - 1].time;
-  report.steps = static_cast<std::uint16_t>(batch.count);
-  report.step_length_m = total / batch.count;
-  // The walker's own scale errs the same way at every step; the rest does not.
-  report.distance_sigma_m = total * std::hypot(length.scale_sigma, length_settings.relative_sigma_step / std::sqrt(double(batch.count)));
+void MotionTracker::State::wait(const StepBatch& batch) {
+  for (int i = 0; i < batch.count && waiting_count < 2 * StepBatch::kMost; ++i) waiting[waiting_count++] = batch.steps[i];
 }
 
-MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitude, const StepBatch& batch) {
+// Five times a second, for the dozen seconds after which a step may still be recognised.
+void MotionTracker::State::remember_heading(const Attitude& attitude) {
+  if (past_count > 0 && seconds(attitude.time - past[(past_next + kPast - 1) % kPast].time) < 0.2) return;
+  const double turn = yaw_from_level_rad(attitude);
+  past[past_next] = {attitude.time, direction.direction(direction_settings, attitude, steps.gait().features.swing_mps2).turned_by(-turn)};
+  past_next = (past_next + 1) % kPast;
+  past_count = std::min(past_count + 1, kPast);
+}
+
+Heading MotionTracker::State::heading_at(PhoneTime time, const Attitude& attitude) const {
+  for (int k = 1; k <= past_count; ++k) {
+    const Past& then = past[(past_next + kPast - k) % kPast];
+    if (then.time <= time) return then.level.turned_by(yaw_from_level_rad(attitude));
+  }
+  return direction.direction(direction_settings, attitude, steps.gait().features.swing_mps2);
+}
+
+void MotionTracker::State::add_step(const Attitude& attitude, MotionReport& report) {
+  const Step step = waiting[0];
+  std::copy(waiting + 1, waiting + waiting_count, waiting);
+  --waiting_count;
+  // A step recognised at once goes where the walker goes now; a late one where they went then, in the hand before the face.
+  if (seconds(report.time - step.time) > 1.0 && direction.carrying == Carrying::kHeld) report.heading = heading_at(step.time, attitude);
+  newest_length_m = length.take(length_settings, step);
+  length.walked(newest_length_m, newest_length_m * report.heading.cos(), newest_length_m * report.heading.sin());
+  ++step_count;
+  last_step = step.time;
+  report.steps = 1;
+  report.step_length_m = newest_length_m;
+  report.distance_sigma_m = newest_length_m * std::hypot(length.scale_sigma, length_settings.relative_sigma_step);
+}
+
+MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitude, bool with_step) {
   MotionReport report;
   const double swing = steps.gait().features.swing_mps2;
   report.time = time;
@@ -100,8 +144,8 @@ MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitu
   report.turn_rate_radps = interval_s > 0.0 ? std::clamp(turned_rad / interval_s, -35.0, 35.0) : 0.0;
   report.turning = std::abs(report.turn_rate_radps) > kTurningRadps;
   report.distance_sigma_m = kStandingSigmaM;
-  report.at_rest = batch.count == 0 && resting(time);
-  if (batch.count > 0) add_steps(batch, report);
+  report.at_rest = !with_step && waiting_count == 0 && resting(time);
+  if (with_step) add_step(attitude, report);
   if (report.at_rest) report.distance_sigma_m = 0.02;
   report.climb_m = climb.take();
   if (field) {
@@ -144,16 +188,18 @@ std::optional<MotionReport> MotionTracker::feed(const MargSample& sample) {
   s.heading->feed(sample);
   const std::optional<Attitude> attitude = s.heading->attitude();
   if (const auto rate = s.gate.turn_rate(sample); rate && attitude) s.watch_turn(*rate, *attitude);
-  StepBatch batch;
-  if (const auto acceleration = s.gate.acceleration(sample)) batch = s.watch_steps(sample.time, *acceleration, attitude);
+  if (const auto acceleration = s.gate.acceleration(sample)) s.wait(s.watch_steps(sample.time, *acceleration, attitude));
   if (const auto field = s.gate.field(sample)) s.field = field->value;
   s.climb.feed(sample, s.steps.walking());
   if (!attitude) return std::nullopt;
+  s.remember_heading(*attitude);
   if (s.reported && sample.time <= *s.reported) return std::nullopt;  // out of order: its content is used, its time is past
   // A silence longer than a report may cover is not walking time: begin a new interval after it.
   if (s.reported && sample.time - *s.reported > std::chrono::seconds(60)) s.reported = sample.time - s.report_interval;
-  if (batch.count == 0 && s.reported && sample.time - *s.reported < s.report_interval) return std::nullopt;
-  return s.report(sample.time, *attitude, batch);
+  const double silent_s = s.reported ? seconds(sample.time - *s.reported) : 1e9;
+  const bool with_step = s.waiting_count > 0 && s.reported && silent_s >= kCatchUpS;
+  if (!with_step && s.reported && sample.time - *s.reported < s.report_interval) return std::nullopt;
+  return s.report(sample.time, *attitude, with_step);
 }
 
 std::optional<Attitude> MotionTracker::attitude() const { return state_->heading->attitude(); }

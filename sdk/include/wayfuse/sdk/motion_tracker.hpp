@@ -67,7 +67,7 @@ class MotionTracker {
   ~MotionTracker();
 
   /// Takes one sample; a report comes out at every step and at least every `report_interval`. When walking is recognised, the
-  /// steps of the seconds before are reported together.
+  /// steps of the seconds before follow one by one, a tenth of a second apart, each with the heading it was made in.
   std::optional<MotionReport> feed(const MargSample& sample);
   std::optional<Attitude> attitude() const;
   WalkState walk() const;
