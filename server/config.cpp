@@ -105,6 +105,8 @@ const std::array kSettings = {
     ConfigSetting{"limits.connections", "open at a time, 1..1000000", WAYFUSE_COUNT(net.connections_most, 1, 1'000'000)},
     ConfigSetting{"limits.half_open", "connections without a complete request, 1..1000000",
                   WAYFUSE_COUNT(net.half_open_most, 1, 1'000'000)},
+    ConfigSetting{"limits.handshake_s", "for TLS and the first request's header, 0.1..600 s",
+                  WAYFUSE_SECONDS(net.handshake_deadline, 0.1, 600)},
     ConfigSetting{"limits.connections_per_address", "open at a time from one address, 1..1000000",
                   WAYFUSE_COUNT(net.addresses.connections_most, 1, 1'000'000)},
     ConfigSetting{"limits.arrivals_per_address", "new connections a second from one address in the long run, 0.1..1e6",

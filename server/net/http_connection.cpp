@@ -64,7 +64,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   }
   void drain(Duration, Duration) override {
     asio::post(stream_.get_executor(), [self = this->shared_from_this()] {
-      if (self->idle_) self->hang_up();
+      if (self->idle_ || self->half_open_) self->hang_up();
     });
   }
   void cut() override {
@@ -96,7 +96,9 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     }
     if (beast::websocket::is_upgrade(request)) return upgrade();
     const bool upload = request.method() == http::verb::post || request.method() == http::verb::put;
-    parser_->body_limit(upload ? world_.settings.upload_bytes : world_.settings.body_bytes);
+    const std::uint64_t most = upload ? world_.settings.upload_bytes : world_.settings.body_bytes;
+    parser_->body_limit(most);
+    if (parser_->content_length().value_or(0) > most) return refuse({FaultCode::kTooLarge, "body", "longer than this path takes"}, 413);
     allow(world_.settings.body_deadline);
     if (beast::iequals(request[http::field::expect], "100-continue")) return ask_for_body();
     read_body();

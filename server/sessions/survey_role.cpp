@@ -12,6 +12,13 @@ class SurveyRole final : public RoleConversation, public std::enable_shared_from
       : world_(seat.world), output_(seat.output), post_(std::move(seat.post)), building_(building) {}
 
   bool receive(ClientMessage& message) override {
+    if (const auto* walk = std::get_if<SurveyWalk>(&message)) {
+      world_.counters.survey_refused++;
+      output_.send(
+          report({FaultCode::kUnexpectedMessage, "type", "this server takes placed points: send the walk as survey batches"}, 0,
+                 walk->idempotency_key));
+      return true;
+    }
     auto* batch = std::get_if<SurveyBatch>(&message);
     if (!batch) return false;
     if (in_flight_ >= world_.settings.survey_batches_in_flight) {

@@ -5,6 +5,8 @@
 
 #include "wayfuse/proto/codec.hpp"
 
+#include "wayfuse/proto/codec.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr std::int64_t kConnected = std::numeric_limits<std::int64_t>::max();
 constexpr double kStillWithin_m = 0.05;
 
 }  // namespace
-
-bool sound(const FusedPosition& position) {
-  return check(position, "position").has_value() && position.radius95_m >= position.radius68_m;
-}
 
 TrackingSession::TrackingSession(SessionRequest request, std::string name, std::string tracked, std::uint64_t seed,
                                  const BuildingShelf& buildings, ServerTime now)
@@ -173,10 +171,12 @@ void TrackingSession::answer(Outcome& outcome, Duration still_interval) {
     return;
   }
   std::optional<FusedPosition> position = timeline_->tracker().position(outcome.at);
-  if (position && !sound(*position)) {
-    outcome.unsound = true;
-    outcome.answer = Fault{FaultCode::kInternal, "position", "the tracker has no finite position"};
-    return;
+  if (position) {  // the same gate the phone will use: nothing that is not finite or not possible leaves [SAFETY C16]
+    if (const auto sound = check(*position, "position"); !sound) {
+      outcome.unsound = true;
+      outcome.answer = Fault{FaultCode::kInternal, sound.fault().field, sound.fault().cause};
+      return;
+    }
   }
   if (!position) {
     outcome.answer = timeline_->tracker().why_no_fix();

@@ -123,7 +123,4 @@ class TrackingSession {
   std::optional<FusedPosition> said_;  ///< the last position given to this connection
 };
 
-/// Whether every number of it is finite and within the protocol's ranges: nothing else leaves the server [SAFETY C16].
-bool sound(const FusedPosition& position);
-
 }  // namespace wayfuse

@@ -86,6 +86,18 @@ TEST(SurveyConversation, AnAnswerAfterTheConnectionsEndGoesNowhere) {
   EXPECT_EQ(house.counters.survey_points, 33u);  // durable all the same
 }
 
+TEST(SurveyConversation, AWalkIsRefusedByItsKeySoThatNobodyKeepsSendingIt) {
+  SessionHouse house;
+  Caller surveyor;
+  house.call(surveyor);
+  surveyor.say(hello_as(Role::kSurvey, house.add_building("Hall", false)));
+  SurveyWalk walk;
+  walk.idempotency_key = "walk-1";
+  surveyor.say(walk);
+  EXPECT_EQ(surveyor.output.last<FaultReport>().idempotency_key, "walk-1");
+  EXPECT_EQ(surveyor.output.last<FaultReport>().fault.code, FaultCode::kUnexpectedMessage);
+}
+
 TEST(SurveyConversation, UnknownBuildingAndForeignMessages) {
   SessionHouse house;
   Caller nowhere;

@@ -1,0 +1,162 @@
+// Sessions over a real socket, driven by a WebSocket client that shares no code with server or SDK.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/integration/running_server.hpp"
+
+namespace wayfuse {
+namespace {
+
+class Sessions : public RunningServer {};
+
+TEST_F(Sessions, ASurveyedBuildingGivesPositionsInBothEncodings) {
+  start();
+  make_building("Hall");
+  survey(1);
+  for (const std::string_view spoken : {kSubprotocolJson, kSubprotocolCbor}) {
+    RawWebsocket phone(port(), key, spoken);
+    ASSERT_EQ(phone.status(), 101) << phone.answer();
+    phone.send(hello(Role::kTrack, 1));
+    const auto welcome = phone.expect<Welcome>();
+    ASSERT_TRUE(welcome);
+    EXPECT_EQ(welcome->building_name, "Hall");
+    phone.send(scans(1, 2));
+    EXPECT_EQ(phone.expect<Ack>()->through, 2u);
+    const auto position = phone.expect<Position>();
+    ASSERT_TRUE(position);
+    EXPECT_LT(distance_m(position->position.place.point, {20, 4}), 4.0);
+    phone.send(Goodbye{"done"});
+    EXPECT_EQ(phone.close_code(), 1000);
+  }
+}
+
+TEST_F(Sessions, ResumeAfterABrokenConnection) {
+  start();
+  make_building("Hall");
+  survey(1);
+  std::optional<Welcome> first;
+  {
+    RawWebsocket phone(port(), key);
+    phone.send(hello(Role::kTrack, 1));
+    first = phone.expect<Welcome>();
+    phone.send(scans(1, 3));
+    ASSERT_TRUE(phone.expect<Ack>());
+  }
+  RawWebsocket phone(port(), key);
+  Hello again = hello(Role::kTrack, 1);
+  again.resume = Resume{first->session, first->epoch, 2, {}};
+  phone.send(again);
+  const auto welcome = phone.expect<Welcome>();
+  ASSERT_TRUE(welcome);
+  EXPECT_TRUE(welcome->recovered);
+  EXPECT_EQ(welcome->applied_through, 3u);
+}
+
+TEST_F(Sessions, AnObserverSeesThePhone) {
+  start();
+  make_building("Hall");
+  survey(1);
+  RawWebsocket observer(port(), key);
+  observer.send(hello(Role::kObserve, 1));
+  ASSERT_TRUE(observer.expect<Welcome>());
+  observer.send(Subscribe{});
+  RawWebsocket phone(port(), key);
+  phone.send(hello(Role::kTrack, 1));
+  phone.send(scans(1, 2));
+  ASSERT_TRUE(phone.expect<Position>());
+  const auto seen = observer.expect<Observation>();
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->tracked.at(0).position.building, BuildingId{1});
+}
+
+TEST_F(Sessions, EmptyMapAndUnknownBuildingAreNamed) {
+  start();
+  make_building("Empty");
+  RawWebsocket phone(port(), key);
+  phone.send(hello(Role::kTrack, 1));
+  phone.send(scans(1, 1));
+  const auto reason = phone.expect<NoFix>();
+  ASSERT_TRUE(reason);
+  EXPECT_EQ(reason->reason.code, FaultCode::kEmptyRadioMap);
+
+  RawWebsocket lost(port(), key);
+  lost.send(hello(Role::kTrack, 4711));
+  EXPECT_EQ(lost.expect<FaultReport>()->fault.code, FaultCode::kUnknownBuilding);
+  EXPECT_EQ(lost.close_code(), 1008);
+}
+
+TEST_F(Sessions, KeysAreRefusedInTheHeaderAndInTheHello) {
+  start();
+  make_building("Hall");
+  EXPECT_EQ(RawWebsocket(port(), "wf_wrong").status(), 401);
+  RawWebsocket wrong(port(), "");
+  ASSERT_EQ(wrong.status(), 101);
+  Hello with_token = hello(Role::kTrack, 1);
+  with_token.token = "wf_wrong";
+  wrong.send(with_token);
+  EXPECT_EQ(wrong.expect<FaultReport>()->fault.code, FaultCode::kNotAuthenticated);
+  EXPECT_EQ(wrong.close_code(), 1008);
+  RawWebsocket right(port(), "");
+  with_token.token = key;
+  right.send(with_token);
+  EXPECT_TRUE(right.expect<Welcome>());
+}
+
+TEST_F(Sessions, TooManyWrongKeysAreNotEvenLookedAt) {
+  start({"--limits.refusals_burst", "3", "--limits.refusals_per_address", "0.01"});
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(http(port(), "GET", "/v1/buildings", "wf_wrong").status, 401);
+  EXPECT_EQ(http(port(), "GET", "/v1/buildings", "wf_wrong").status, 429);
+  EXPECT_EQ(http(port(), "GET", "/healthz").status, 200);
+}
+
+TEST_F(Sessions, DrainTellsEverybodyAndLeavesInOrder) {
+  start({"--server.drain_s", "0.5"});
+  make_building("Hall");
+  survey(1);
+  RawWebsocket phone(port(), key);
+  phone.send(hello(Role::kTrack, 1));
+  ASSERT_TRUE(phone.expect<Welcome>());
+  server->signal(SIGTERM);
+  EXPECT_TRUE(phone.expect<GoAway>());
+  phone.send(scans(1, 1));  // what is still sent is still answered
+  EXPECT_TRUE(phone.expect<Ack>());
+  EXPECT_EQ(phone.close_code(), 1001);
+  EXPECT_EQ(server->wait(10), 0);
+}
+
+TEST_F(Sessions, NothingAcknowledgedIsLostByKill9) {
+  start();
+  make_building("Hall");
+  std::set<std::string> acked;
+  std::set<std::string> sent;
+  for (int round = 0; round < 5; ++round) {
+    RawWebsocket surveyor(port(), key);
+    surveyor.send(hello(Role::kSurvey, 1));
+    ASSERT_TRUE(surveyor.expect<Welcome>());
+    for (int i = 0; i < 6; ++i) {
+      const std::string name = "r" + std::to_string(round) + "-" + std::to_string(i);
+      sent.insert(name);
+      surveyor.send(batch(name));
+    }
+    for (int i = 0; i < round; ++i) {  // killed while the rest is on its way
+      const auto ack = surveyor.expect<SurveyAck>();
+      ASSERT_TRUE(ack);
+      acked.insert(ack->idempotency_key);
+    }
+    server->signal(SIGKILL);
+    EXPECT_EQ(server->wait(10), 128 + SIGKILL);
+    start();
+  }
+  RawWebsocket surveyor(port(), key);
+  surveyor.send(hello(Role::kSurvey, 1));
+  for (const std::string& name : sent) {  // unknown or not: once more, same key
+    surveyor.send(batch(name));
+    ASSERT_TRUE(surveyor.expect<SurveyAck>());
+  }
+  const auto exported = http(port(), "GET", "/v1/buildings/1", key);
+  EXPECT_NE(exported.body.find("\"points\":" + std::to_string(33 * sent.size())), std::string::npos) << exported.body;
+  EXPECT_FALSE(acked.empty());
+}
+
+}  // namespace
+}  // namespace wayfuse
