@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.add_option("--server", program.connection.server, "Base URL of wayfused")->envname("WAYFUSE_SERVER")->default_val("http://127.0.0.1:8420");
   app.add_option("--key", program.connection.key, "API key; better given as WAYFUSE_KEY")->envname("WAYFUSE_KEY");
-  app.add_option("--authority", program.connection.authority, "PEM file with the certificate authority to trust")->check(CLI::ExistingFile);
+  app.add_option("--authority", program.connection.authority, "PEM file with the certificate authority to trust")->envname("WAYFUSE_AUTHORITY")->check(CLI::ExistingFile);
   app.add_flag("--json", program.json, "Print the server's JSON as it came");
   add_building_commands(app, program);
   add_survey_commands(app, program);
