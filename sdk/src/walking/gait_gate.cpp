@@ -42,7 +42,7 @@ bool GaitGate::feed(const GaitGateSettings& settings, Vector3 acceleration, doub
   high_square_ = in_tick_ = 0.0;
   next_ = (next_ + 1) % kWindow;
   filled_ = std::min(filled_ + 1, kWindow);
-  if (++since_decision_ < 12 || filled_ < kWindow) return false;
+  if (++since_decision_ < 12 || filled_ < kLeastFilled) return false;
   since_decision_ = 0;
   measure();
   const GaitFeatures& f = features;
@@ -57,10 +57,11 @@ bool GaitGate::feed(const GaitGateSettings& settings, Vector3 acceleration, doub
 }
 
 void GaitGate::measure() {
+  const int count = filled_, oldest = filled_ < kWindow ? 0 : next_;
   double low[kWindow];
   double mean = 0.0, high = 0.0, along = 0.0, along_square = 0.0, across = 0.0, total = 0.0;
-  for (int i = 0; i < kWindow; ++i) {
-    const Tick& tick = ring_[(next_ + i) % kWindow];  // oldest first
+  for (int i = 0; i < count; ++i) {
+    const Tick& tick = ring_[(oldest + i) % kWindow];  // oldest first
     low[i] = tick.low;
     mean += tick.low;
     high += tick.high_square;
@@ -69,25 +70,25 @@ void GaitGate::measure() {
     across += tick.across_square;
     total += tick.total;
   }
-  constexpr double n = 1.0 / kWindow;
+  const double n = 1.0 / count;
   mean *= n;
   double square[kWindow + 1] = {};  // running sums of squares, for the normalisation
-  for (int i = 0; i < kWindow; ++i) {
+  for (int i = 0; i < count; ++i) {
     low[i] -= mean;
     square[i + 1] = square[i] + low[i] * low[i];
   }
-  features.swing_mps2 = std::sqrt(square[kWindow] * n);
+  features.swing_mps2 = std::sqrt(square[count] * n);
   features.sharpness = std::sqrt(high * n) / std::max(0.02, features.swing_mps2);
   features.uprightness = std::sqrt(std::max(0.0, along_square * n - along * along * n * n) / std::max(1e-4, across * n));
   features.excess_mps2 = total * n - kGravity;
   features.periodicity = -1.0;
-  for (int lag = kNewest; lag <= kOldest; ++lag) {
+  for (int lag = kNewest; lag <= std::min(kOldest, count - kNewest); ++lag) {
     double sum = 0.0;
-    for (int i = lag; i < kWindow; ++i) sum += low[i] * low[i - lag];
-    const double scale = std::sqrt((square[kWindow] - square[lag]) * square[kWindow - lag]);
+    for (int i = lag; i < count; ++i) sum += low[i] * low[i - lag];
+    const double scale = std::sqrt((square[count] - square[lag]) * square[count - lag]);
     if (scale > 1e-6) features.periodicity = std::max(features.periodicity, sum / scale);
   }
-  const Vector3 a = ring_[next_].gravity, b = ring_[(next_ + kWindow - 1) % kWindow].gravity;
+  const Vector3 a = ring_[oldest].gravity, b = ring_[(oldest + count - 1) % kWindow].gravity;
   features.tilting_rad = std::atan2(norm(cross(a, b)), dot(a, b));
 }
 

@@ -28,6 +28,7 @@ struct GaitGateSettings {
 struct GaitGate {
   static constexpr double kTick_s = 0.04;      // the ring's grid
   static constexpr int kWindow = 50;           // 2 s
+  static constexpr int kLeastFilled = 30;      // decides from 1.2 s on
   static constexpr int kNewest = 8, kOldest = 35;  // lags
 
   bool walking = false;
