@@ -1,40 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <functional>
 #include <string>
 #include <string_view>
 
-#include "proto/src/wire/text.hpp"
+#include "tests/fuzz/promises.hpp"
 #include "wayfuse/proto/codec.hpp"
 
 /// What must hold for every frame, whatever its bytes: shared by the fuzz targets of the wire.
 namespace wayfuse::fuzzing {
-
-inline void demand(bool holds, const char* what, const std::string& detail = "") {
-  if (holds) return;
-  std::fprintf(stderr, "broken promise: %s %s\n", what, detail.c_str());
-  std::abort();
-}
 
 inline Result<ClientMessage> decode(std::string_view frame, Encoding encoding, const ClientMessage*) {
   return decode_client_message(frame, encoding);
 }
 inline Result<ServerMessage> decode(std::string_view frame, Encoding encoding, const ServerMessage*) {
   return decode_server_message(frame, encoding);
-}
-
-/// A fault found in hostile input can itself be sent and shown: short, UTF-8, without control characters. Most inputs end
-/// here, so this is cheap.
-inline void fault_is_presentable(const Fault& fault) {
-  demand(!fault.cause.empty(), "a fault says its cause");
-  demand(face_of(fault.code).code == fault.code, "a fault's code is in the table");
-  for (const std::string& text : {std::cref(fault.field), std::cref(fault.cause)}) {
-    demand(text.size() <= Limits::kCauseBytes, "a fault is short", text);
-    demand(wire::is_utf8(text) && !wire::has_controls(text), "a fault can be shown", text);
-  }
 }
 
 /// A message that passed can be sent on, and then stays what it is.
@@ -54,8 +34,7 @@ void message_is_stable(const Message& message) {
 
 template <typename Message>
 int run(const std::uint8_t* data, std::size_t size, Encoding encoding) {
-  const std::string_view frame(reinterpret_cast<const char*>(data), size);
-  const Result<Message> message = decode(frame, encoding, static_cast<const Message*>(nullptr));
+  const Result<Message> message = decode(as_text(data, size), encoding, static_cast<const Message*>(nullptr));
   if (message) {
     message_is_stable(*message);
   } else {

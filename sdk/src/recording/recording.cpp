@@ -1,6 +1,7 @@
 #include "wayfuse/sdk/recording.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <istream>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,6 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kVersion = 1;
+constexpr std::int64_t kMostInteger = (std::int64_t{1} << 53) - 1;  // exact in a double, as on the wire
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Json to_json(const Vector3& v) { return Json::array({v.x, v.y, v.z}); }
@@ -54,6 +56,20 @@ Json to_json(const TruthMark& mark) {
   return {{"type", "truth"}, {"x_m", mark.place.point.x_m}, {"y_m", mark.place.point.y_m}, {"floor", mark.place.floor.value}};
 }
 
+// A conversion from a number beyond the type's range would be undefined: looked at before.
+std::int64_t whole(const Json& json, const char* name, std::int64_t least, std::int64_t most) {
+  const Json& value = json.at(name);
+  const bool integer = value.is_number_integer();
+  const bool fits = integer && (!value.is_number_unsigned() || value.get<std::uint64_t>() <= static_cast<std::uint64_t>(most));
+  if (!fits || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most) {
+    throw std::invalid_argument(std::string(name) + " must be a whole number, " + std::to_string(least) + ".." + std::to_string(most));
+  }
+  return value.get<std::int64_t>();
+}
+std::int64_t whole(const Json& json, const char* name, std::int64_t least, std::int64_t most, std::int64_t standard) {
+  return json.contains(name) ? whole(json, name, least, most) : standard;
+}
+
 std::optional<double> number(const Json& json, const char* name) {
   const auto found = json.find(name);
   return found == json.end() ? std::nullopt : std::optional(found->get<double>());
@@ -72,9 +88,9 @@ RssScan scan_of(const Json& json, PhoneTime time) {
   RssScan scan{time, {}};
   for (const Json& row : json.at("readings")) {
     const auto bssid = parse_bssid(row.at("bssid").get<std::string>());
-    if (!bssid) throw std::invalid_argument("readings: bssid " + row.at("bssid").dump() + " is no address");
-    scan.readings.push_back({*bssid, row.at("rss_dbm").get<double>(), Duration{row.value("age_us", std::int64_t{0})},
-                             row.value("frequency_mhz", std::uint16_t{0}), number(row, "range_m"), number(row, "range_sigma_m")});
+    if (!bssid) throw std::invalid_argument("readings: a bssid is no address like aa:bb:cc:dd:ee:ff");
+    scan.readings.push_back({*bssid, row.at("rss_dbm").get<double>(), Duration{whole(row, "age_us", 0, kMostInteger, 0)},
+                             static_cast<std::uint16_t>(whole(row, "frequency_mhz", 0, 65'535, 0)), number(row, "range_m"), number(row, "range_sigma_m")});
   }
   return scan;
 }
@@ -89,15 +105,23 @@ GnssFix gnss_of(const Json& json, PhoneTime time) {
 std::optional<RecordedEvent> event_of(const Json& json) {
   const std::string type = json.at("type").get<std::string>();
   if (type != "marg" && type != "scan" && type != "gnss" && type != "truth") return std::nullopt;
-  const PhoneTime time{Duration{json.at("time_us").get<std::int64_t>()}};
+  const PhoneTime time{Duration{whole(json, "time_us", -kMostInteger, kMostInteger)}};
   if (type == "marg") return marg_of(json, time);
   if (type == "scan") return scan_of(json, time);
   if (type == "gnss") return gnss_of(json, time);
-  return TruthMark{time, {{json.at("x_m").get<double>(), json.at("y_m").get<double>()}, {json.at("floor").get<int>()}}};
+  return TruthMark{time, {{json.at("x_m").get<double>(), json.at("y_m").get<double>()}, {static_cast<std::int32_t>(whole(json, "floor", -200, 1000))}}};
 }
 
 Fault broken_line(std::size_t line, const std::string& cause) {
   return {FaultCode::kMalformed, "line " + std::to_string(line), cause};
+}
+// The library's own words quote the bytes it stumbled over, which may be anything.
+Fault broken_line(std::size_t line, const Json::parse_error& error) {
+  return broken_line(line, "is not JSON at byte " + std::to_string(error.byte));
+}
+Fault broken_line(std::size_t line, const Json::out_of_range& error) {
+  constexpr int kNumberOverflow = 406;
+  return broken_line(line, error.id == kNumberOverflow ? "holds a number beyond a double" : error.what());
 }
 
 }  // namespace
@@ -129,13 +153,17 @@ Result<RecordingReader> RecordingReader::open(std::istream& in) {
   try {
     const Json json = Json::parse(line);
     if (json.at("type") != "wayfuse-recording") return broken_line(1, "this is no wayfuse recording");
-    if (json.at("version").get<int>() > kVersion) {
-      return Fault{FaultCode::kUnsupportedVersion, "line 1", "version " + json.at("version").dump() + " is newer than " +
+    if (const std::int64_t version = whole(json, "version", 1, kMostInteger); version > kVersion) {
+      return Fault{FaultCode::kUnsupportedVersion, "line 1", "version " + std::to_string(version) + " is newer than " +
                                                                  std::to_string(kVersion)};
     }
     RecordingHeader header{json.value("device_model", ""), json.value("app", ""), json.value("building", ""),
-                           UnixTime{Duration{json.value("started_at_us", std::int64_t{0})}}};
+                           UnixTime{Duration{whole(json, "started_at_us", 0, kMostInteger, 0)}}};
     return RecordingReader(in, std::move(header));
+  } catch (const Json::parse_error& error) {
+    return broken_line(1, error);
+  } catch (const Json::out_of_range& error) {
+    return broken_line(1, error);
   } catch (const std::exception& error) {
     return broken_line(1, error.what());
   }
@@ -147,6 +175,10 @@ Result<std::optional<RecordedEvent>> RecordingReader::next() {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     try {
       if (auto event = event_of(Json::parse(line))) return event;
+    } catch (const Json::parse_error& error) {
+      return broken_line(line_, error);
+    } catch (const Json::out_of_range& error) {
+      return broken_line(line_, error);
     } catch (const std::exception& error) {
       return broken_line(line_, error.what());
     }
