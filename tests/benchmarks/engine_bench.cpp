@@ -1,0 +1,214 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "server/locating/radio_map.hpp"
+#include "server/locating/rss_distance.hpp"
+#include "server/pipeline/tracker.hpp"
+#include "server/tracking/fix_measurement.hpp"
+#include "server/tracking/particle_filter.hpp"
+#include "server/tracking/resamplers.hpp"
+#include "server/tracking/walk_motion.hpp"
+
+// The engine's hot paths beside naive baselines in the same run. ns a particle, us a scan.
+namespace wayfuse {
+namespace {
+
+constexpr std::size_t kParticles = 1000;
+
+void per_particle(benchmark::State& state) {
+  state.counters["ns/particle"] =
+      benchmark::Counter(static_cast<double>(kParticles) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+// What one writes first: structures, a standard generator, exp and log, a copy on resampling.
+void particles_naive(benchmark::State& state) {
+  struct Particle {
+    double x = 0, y = 0, weight = 1.0 / kParticles;
+  };
+  std::vector<Particle> particles(kParticles), next(kParticles);
+  Random random(1);
+  double truth = 0.0;
+  for (auto _ : state) {
+    truth += 0.7;
+    double sum = 0.0;
+    for (Particle& p : particles) {
+      p.x += 0.7 + 0.3 * random.normal();
+      p.y += 0.3 * random.normal();
+      p.weight *= std::exp(-((p.x - truth) * (p.x - truth) + p.y * p.y) / 18.0);
+      sum += p.weight;
+    }
+    for (Particle& p : particles) p.weight /= sum;
+    double reached = particles[0].weight;
+    const double first = random.uniform() / kParticles;
+    for (std::size_t k = 0, i = 0; k < kParticles; ++k) {
+      while (first + static_cast<double>(k) / kParticles >= reached && i + 1 < kParticles) reached += particles[++i].weight;
+      next[k] = {particles[i].x, particles[i].y, 1.0 / kParticles};
+    }
+    particles.swap(next);
+  }
+  per_particle(state);
+}
+BENCHMARK(particles_naive);
+
+void particles_wayfuse(benchmark::State& state) {
+  ParticleFilter filter({static_cast<int>(kParticles), 1.0}, std::make_shared<WalkMotion>(WalkSettings{}),
+                        std::make_shared<SystematicResampler>());
+  Random random(1);
+  filter.start(isotropic({}, 2.0, 1.0), random);
+  const Motion step{.dt_s = 0.5, .heading_rad = 0.0, .heading_sigma_rad = 0.1, .distance_m = 0.7, .distance_sigma_m = 0.3};
+  double truth = 0.0;
+  for (auto _ : state) {
+    truth += 0.7;
+    filter.predict(step, random);
+    filter.update(FixMeasurement(truth, 0.0, 3.0), random);
+  }
+  per_particle(state);
+}
+BENCHMARK(particles_wayfuse);
+
+// --- matching -------------------------------------------------------------------------------------------------------------
+
+struct MatchWorld {
+  std::shared_ptr<const RadioMap> map;
+  std::vector<float> dense;        // points x transmitters, -100 = not heard
+  std::vector<RssScan> scans;
+};
+
+// Points on a square grid; transmitters fade with distance, so that a point hears some thirty of them.
+const MatchWorld& match_world(std::size_t points, std::size_t transmitters) {
+  static std::vector<std::pair<std::size_t, std::unique_ptr<MatchWorld>>> made;
+  for (const auto& [size, world] : made) {
+    if (size == points) return *world;
+  }
+  auto world = std::make_unique<MatchWorld>();
+  Random random(1);
+  const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(points)));
+  const double width_m = 2.0 * static_cast<double>(side);
+  const double reach_m = width_m * std::sqrt(30.0 / (3.14159 * static_cast<double>(transmitters)));
+  std::vector<BuildingPoint> places(transmitters);
+  for (auto& place : places) place = {width_m * random.uniform(), width_m * random.uniform()};
+  const auto scan_at = [&](BuildingPoint at) {
+    RssScan scan;
+    for (std::size_t i = 0; i < transmitters; ++i) {
+      const double d_m = distance_m(at, places[i]);
+      if (d_m < reach_m) scan.readings.push_back({Bssid{i + 1}, std::round(-40.0 - 50.0 * d_m / reach_m + 3.0 * random.normal()), {}, 0, {}, {}});
+    }
+    return scan;
+  };
+  std::vector<ReferencePoint> survey;
+  for (std::size_t i = 0; i < side * side; ++i) {
+    ReferencePoint point;
+    point.place.point = {2.0 * static_cast<double>(i % side), 2.0 * static_cast<double>(i / side)};
+    point.scans = {scan_at(point.place.point)};
+    survey.push_back(std::move(point));
+  }
+  world->map = RadioMap::build(survey);
+  const std::size_t columns = world->map->transmitters().size();
+  world->dense.assign(world->map->points().size() * columns, -100.0f);
+  for (std::size_t j = 0; j < world->map->points().size(); ++j) {
+    for (const MapLevel& level : world->map->levels(world->map->points()[j])) world->dense[j * columns + level.transmitter] = level.mean_dbm;
+  }
+  for (int i = 0; i < 64; ++i) world->scans.push_back(scan_at({width_m * random.uniform(), width_m * random.uniform()}));
+  return *made.emplace_back(points, std::move(world)).second;
+}
+
+void match_dense_naive(benchmark::State& state) {
+  const MatchWorld& world = match_world(static_cast<std::size_t>(state.range(0)), static_cast<std::size_t>(state.range(1)));
+  const std::size_t columns = world.map->transmitters().size(), points = world.map->points().size();
+  std::vector<float> wanted(columns);
+  KnownScan known;
+  std::size_t turn = 0;
+  for (auto _ : state) {
+    world.map->know(world.scans[turn++ % world.scans.size()], known);
+    std::ranges::fill(wanted, -100.0f);
+    for (const auto& level : known.levels) wanted[level.transmitter] = level.rss_dbm;
+    float least = INFINITY;
+    std::size_t best = 0;
+    for (std::size_t j = 0; j < points; ++j) {
+      float sum = 0.0f;
+      for (std::size_t i = 0; i < columns; ++i) {
+        const float difference = wanted[i] - world.dense[j * columns + i];
+        sum += difference * difference;
+      }
+      if (sum < least) least = sum, best = j;
+    }
+    benchmark::DoNotOptimize(best);
+  }
+}
+BENCHMARK(match_dense_naive)->Args({10000, 500})->Unit(benchmark::kMicrosecond);
+
+void match_wayfuse(benchmark::State& state) {
+  const MatchWorld& world = match_world(static_cast<std::size_t>(state.range(0)), static_cast<std::size_t>(state.range(1)));
+  const RssDistance distance(world.map, {2.0, -100.0});
+  KnownScan known;
+  std::vector<double> powered(world.map->points().size());
+  std::size_t turn = 0;
+  for (auto _ : state) {
+    world.map->know(world.scans[turn++ % world.scans.size()], known);
+    distance.powered(known, powered);
+    benchmark::DoNotOptimize(std::ranges::min_element(powered));
+  }
+}
+BENCHMARK(match_wayfuse)->Args({10000, 500})->Args({100000, 2000})->Unit(benchmark::kMicrosecond);
+
+// --- a session of a preset: a step, and a scan -------------------------------------------------------------------------------
+
+void session(benchmark::State& state, const char* preset_name, bool scans) {
+  auto site = std::make_shared<Site>();
+  Random random(2);
+  const auto scan_at = [&](BuildingPoint at) {
+    RssScan scan;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+      const double d_m = distance_m(at, {7.0 * static_cast<double>(i % 10), 7.0 * static_cast<double>(i / 10)});
+      if (d_m < 25.0) scan.readings.push_back({Bssid{i + 1}, -40.0 - 2.0 * d_m + 3.0 * random.normal(), {}, 2412, {}, {}});
+    }
+    return scan;
+  };
+  for (int i = 0; i < 600; ++i) {
+    ReferencePoint point;
+    point.place.point = {2.0 * (i % 30), 2.0 * (i / 30)};
+    point.walk = "walk-" + std::to_string(i / 60);
+    point.scans = {scan_at(point.place.point)};
+    point.scans[0].time = PhoneTime{std::chrono::seconds(i)};
+    site->survey.push_back(std::move(point));
+  }
+  const auto factory = *assemble(*preset(preset_name), site);
+  const auto tracker = factory->make_tracker(Random(1));
+  PhoneTime time{std::chrono::seconds(1000)};
+  RssScan scan = scan_at({20, 20});
+  MotionReport step;
+  step.reference = HeadingReference::kTrue;
+  step.interval = std::chrono::milliseconds(500);
+  step.heading_sigma_rad = 0.1;
+  step.steps = 1;
+  step.step_length_m = 0.7;
+  step.distance_sigma_m = 0.1;
+  for (int i = 0; i < 10; ++i) {
+    scan.time = time += std::chrono::seconds(2);
+    tracker->feed(scan);
+  }
+  for (auto _ : state) {
+    time += std::chrono::milliseconds(500);
+    if (scans) {
+      scan.time = time;
+      tracker->feed(scan);
+    } else {
+      step.time = time;
+      step.heading = step.heading.turned_by(0.5);
+      tracker->feed(step);
+    }
+    benchmark::DoNotOptimize(tracker->position(time));
+  }
+}
+BENCHMARK_CAPTURE(session, p1_step, "p1", false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, p1_scan, "p1", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, default_step, "default", false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, default_scan, "default", true)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace wayfuse
