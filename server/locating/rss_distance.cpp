@@ -36,11 +36,8 @@ double RssDistance::root(double powered) const {
   return std::pow(positive, 1.0 / settings_.exponent);
 }
 
-void RssDistance::powered(const KnownScan& scan, std::span<double> out) const {
-  assert(out.size() == against_silence_.size());
-  double scan_silence = 0.0;
-  for (const auto& level : scan.levels) scan_silence += power(static_cast<double>(level.rss_dbm) - settings_.floor_dbm);
-  for (std::size_t j = 0; j < out.size(); ++j) out[j] = against_silence_[j] + scan_silence;
+template <typename Power>
+void RssDistance::accumulate(const KnownScan& scan, std::span<double> out, const Power& power) const {
   for (const auto& level : scan.levels) {
     const double rss_dbm = level.rss_dbm;
     const double silent = power(rss_dbm - settings_.floor_dbm);
@@ -48,6 +45,21 @@ void RssDistance::powered(const KnownScan& scan, std::span<double> out) const {
       const double mean_dbm = heard_[k].mean_dbm;
       out[heard_[k].point] += power(rss_dbm - mean_dbm) - power(mean_dbm - settings_.floor_dbm) - silent;
     }
+  }
+}
+
+void RssDistance::powered(const KnownScan& scan, std::span<double> out) const {
+  assert(out.size() == against_silence_.size());
+  double scan_silence = 0.0;
+  for (const auto& level : scan.levels) scan_silence += power(static_cast<double>(level.rss_dbm) - settings_.floor_dbm);
+  for (std::size_t j = 0; j < out.size(); ++j) out[j] = against_silence_[j] + scan_silence;
+  // The exponent is looked at once a scan, not once a reading.
+  if (settings_.exponent == 2.0) {
+    accumulate(scan, out, [](double difference) { return difference * difference; });
+  } else if (settings_.exponent == 1.0) {
+    accumulate(scan, out, [](double difference) { return std::abs(difference); });
+  } else {
+    accumulate(scan, out, [this](double difference) { return std::pow(std::abs(difference), settings_.exponent); });
   }
 }
 

@@ -33,6 +33,8 @@ class RssDistance {
 
  private:
   double power(double difference) const;
+  template <typename Power>
+  void accumulate(const KnownScan& scan, std::span<double> out, const Power& power) const;
 
   struct Heard {
     std::uint32_t point;

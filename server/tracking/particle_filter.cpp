@@ -54,53 +54,58 @@ bool ParticleFilter::update(const MeasurementModel& measurement, Random& random)
 }
 
 GaussianState ParticleFilter::estimate() const {
-  const auto weights = cloud_.log_weight();
-  std::array<double, 4> mean{};
-  std::array<std::span<const float>, 4> columns = {cloud_.x_m(), cloud_.y_m(), cloud_.vx_mps(), cloud_.vy_mps()};
+  const auto weights = cloud_.weights();  // the log weights are always normalised between calls
+  const std::array<std::span<const float>, 4> columns = {cloud_.x_m(), cloud_.y_m(), cloud_.vx_mps(), cloud_.vy_mps()};
   const std::size_t dimensions = columns[2].empty() ? 2 : 4;
+  std::array<double, 4> mean{};
   double sum = 0.0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double weight = std::exp(static_cast<double>(weights[i]));
-    sum += weight;
-    for (std::size_t d = 0; d < dimensions; ++d) mean[d] += weight * static_cast<double>(columns[d][i]);
+  for (const float weight : weights) sum += static_cast<double>(weight);
+  for (std::size_t d = 0; d < dimensions; ++d) {
+    for (std::size_t i = 0; i < weights.size(); ++i) mean[d] += static_cast<double>(weights[i]) * static_cast<double>(columns[d][i]);
+    mean[d] /= sum;
   }
-  for (double& value : mean) value /= sum;
   GaussianState state{{mean[0], mean[1], mean[2], mean[3]}, {}};
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double weight = std::exp(static_cast<double>(weights[i])) / sum;
-    for (std::size_t row = 0; row < dimensions; ++row) {
-      for (std::size_t column = 0; column <= row; ++column) {
-        state.covariance[row * 4 + column] += weight * (static_cast<double>(columns[row][i]) - mean[row]) *
-                                              (static_cast<double>(columns[column][i]) - mean[column]);
+  for (std::size_t row = 0; row < dimensions; ++row) {
+    for (std::size_t column = 0; column <= row; ++column) {
+      double product = 0.0;
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        product += static_cast<double>(weights[i]) * (static_cast<double>(columns[row][i]) - mean[row]) *
+                   (static_cast<double>(columns[column][i]) - mean[column]);
       }
+      state.covariance[row * 4 + column] = state.covariance[column * 4 + row] = product / sum;
     }
-  }
-  for (std::size_t row = 0; row < 4; ++row) {
-    for (std::size_t column = row + 1; column < 4; ++column) state.covariance[row * 4 + column] = state.covariance[column * 4 + row];
   }
   return state;
 }
 
 double ParticleFilter::radius_m(double share) const {
-  const State mean = estimate().mean;
-  const auto weights = cloud_.log_weight();
-  const auto distance = [&](std::size_t i) {
-    return std::hypot(static_cast<double>(cloud_.x_m()[i]) - mean.x_m, static_cast<double>(cloud_.y_m()[i]) - mean.y_m);
-  };
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < weights.size(); ++i) farthest = std::max(farthest, distance(i));
-  constexpr std::size_t kBins = 512;
-  std::array<double, kBins> held{};  // a histogram: no sort, no allocation, within 0.2 % of the farthest particle
-  const double bins_per_m = farthest > 0.0 ? (kBins - 1) / farthest : 0.0;
+  const auto weights = cloud_.weights();
+  const auto x_m = cloud_.x_m(), y_m = cloud_.y_m();
+  double sum = 0.0, mean_x = 0.0, mean_y = 0.0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    held[static_cast<std::size_t>(distance(i) * bins_per_m)] += std::exp(static_cast<double>(weights[i]));
+    const auto weight = static_cast<double>(weights[i]);
+    sum += weight;
+    mean_x += weight * static_cast<double>(x_m[i]);
+    mean_y += weight * static_cast<double>(y_m[i]);
   }
-  double sum = 0.0;
+  const auto cx = static_cast<float>(mean_x / sum), cy = static_cast<float>(mean_y / sum);
+  const auto squared_m2 = [&](std::size_t i) { return (x_m[i] - cx) * (x_m[i] - cx) + (y_m[i] - cy) * (y_m[i] - cy); };
+  float farthest_m2 = 0.0f;
+  for (std::size_t i = 0; i < weights.size(); ++i) farthest_m2 = std::max(farthest_m2, squared_m2(i));
+  const float farthest_m = std::sqrt(farthest_m2);
+  if (!(farthest_m > 0.0f) || !std::isfinite(farthest_m)) return 0.0;
+  constexpr std::size_t kBins = 512;
+  std::array<double, kBins + 1> held{};  // a histogram: no sort, no allocation, within 0.2 % of the farthest particle
+  const float bins_per_m = static_cast<float>(kBins - 1) / farthest_m;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    held[static_cast<std::size_t>(std::sqrt(squared_m2(i)) * bins_per_m)] += static_cast<double>(weights[i]);
+  }
+  double reached = 0.0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    sum += held[bin];
-    if (sum >= share) return farthest * static_cast<double>(bin + 1) / kBins;
+    reached += held[bin] / sum;
+    if (reached >= share) return static_cast<double>(farthest_m) * static_cast<double>(bin + 1) / kBins;
   }
-  return farthest;
+  return static_cast<double>(farthest_m);
 }
 
 }  // namespace wayfuse

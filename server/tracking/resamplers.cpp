@@ -64,7 +64,9 @@ void SystematicResampler::resample(ParticleCloud& cloud, Random& random) const {
   std::size_t pointed = 0;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
     reached += particles * static_cast<double>(weights[i]);
-    const auto below = static_cast<std::size_t>(std::max(0.0, std::ceil(reached - first)));
+    const double passed = std::max(0.0, reached - first);
+    auto below = static_cast<std::size_t>(passed);  // rounded up without a call into the library
+    below += static_cast<double>(below) < passed;
     for (const std::size_t end = std::min(below, cloud.size()); pointed < end; ++pointed) ancestors[pointed] = i;
   }
   const std::uint32_t last = pointed > 0 ? ancestors[pointed - 1] : 0;
