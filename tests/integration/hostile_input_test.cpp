@@ -125,6 +125,28 @@ TEST_F(HostileInput, SlowClientsAreCutAtTheirDeadline) {
   EXPECT_TRUE(slow.read_to_end(10));
 }
 
+TEST_F(HostileInput, AThousandSlowClientsKeepNobodyOutAndLeaveNothingBehind) {
+  std::vector<RawSocket> slow;
+  for (int i = 0; i < 1000; ++i) {
+    slow.emplace_back(port());
+    slow.back().send("GET / HT");
+  }
+  EXPECT_EQ(http(port(), "GET", "/healthz").status, 200);
+  for (RawSocket& socket : slow) EXPECT_TRUE(socket.read_to_end(20));
+  const std::string metrics = http(port(), "GET", "/metrics", key).body;
+  EXPECT_NE(metrics.find("wayfuse_connections 1\n"), std::string::npos);  // the one that asks
+  EXPECT_NE(metrics.find("wayfuse_handshake_timeouts_total 1000\n"), std::string::npos);
+}
+
+TEST_F(HostileInput, OutOfDescriptorsItTurnsCallersAwayAndServesOn) {
+  server->allow_descriptors(64);
+  std::vector<RawSocket> crowd;
+  for (int i = 0; i < 150; ++i) crowd.emplace_back(port());
+  for (RawSocket& socket : crowd) EXPECT_TRUE(socket.read_to_end(20));  // turned away at once, or at the deadline
+  const std::string metrics = http(port(), "GET", "/metrics", key).body;
+  EXPECT_EQ(metrics.find("wayfuse_accept_failures_total 0\n"), std::string::npos);
+}
+
 TEST_F(HostileInput, AClientThatAsksAndNeverReadsIsClosed) {
   server.reset();
   start({"--limits.frames_per_second", "1000000", "--limits.frames_burst", "1000000"});

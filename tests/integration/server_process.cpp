@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -78,6 +79,11 @@ void ServerProcess::read_until_ready() {
 
 void ServerProcess::signal(int number) {
   ::kill(process_, number);
+}
+
+void ServerProcess::allow_descriptors(unsigned count) {
+  const rlimit limit{count, count};
+  ::prlimit(process_, RLIMIT_NOFILE, &limit, nullptr);
 }
 
 std::optional<int> ServerProcess::wait(double patience_s) {

@@ -24,6 +24,8 @@ class ServerProcess {
   const std::string& errors() const { return errors_; }
 
   void signal(int number);
+  /// No more file descriptors than this from now on.
+  void allow_descriptors(unsigned count);
   /// The exit status, or 128 + the signal that ended it; absent if it still runs after `patience_s`.
   std::optional<int> wait(double patience_s);
 
