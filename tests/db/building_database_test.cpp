@@ -340,7 +340,7 @@ TEST(BuildingDatabase, VerifiesEveryUploadAgainstItsHash) {
   // One bit of one reading's age: no page, layout or count notices it.
   std::fstream file(folder / "building-7.sqlite", std::ios::in | std::ios::out | std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  const ScanReading& hurt = sample_batch(3, 10).points[5].scans[0].readings[2];
+  const ScanReading hurt = sample_batch(3, 10).points[5].scans[0].readings[2];
   Packer packed;
   packed.u16(hurt.frequency_mhz);
   packed.u32(static_cast<std::uint32_t>(hurt.age.count()));
