@@ -38,7 +38,8 @@ int main(int count, char** words) {
       (void)client.send(*report);
     }
     if (frame % 300 == 0) {  // and your ScanResults here, each reading with its own age
-      (void)client.send(wayfuse::RssScan{loop.now(), {{wayfuse::Bssid{0x0a0b0c0d0e0f}, -55, wayfuse::Duration{1000}, 2412, {}, {}}}});
+      (void)client.send(
+          wayfuse::RssScan{loop.now(), {{wayfuse::Bssid{0x0a0b0c0d0e0f}, -55, wayfuse::Duration{1000}, 2412, {}, {}}}});
     }
     const auto live = dot.at(loop.now());
     if (live && frame % 60 == 59) {

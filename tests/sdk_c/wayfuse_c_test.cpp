@@ -14,11 +14,17 @@
 namespace wayfuse {
 namespace {
 
-void wait_a_little() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
+void wait_a_little() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
 
-TEST(WayfuseInC, RefusesNullEverywhere) { EXPECT_STREQ(c_null_is_refused(), nullptr); }
+TEST(WayfuseInC, RefusesNullEverywhere) {
+  EXPECT_STREQ(c_null_is_refused(), nullptr);
+}
 
-TEST(WayfuseInC, ChecksOptionsOfAnyAge) { EXPECT_STREQ(c_options_are_checked(), nullptr); }
+TEST(WayfuseInC, ChecksOptionsOfAnyAge) {
+  EXPECT_STREQ(c_options_are_checked(), nullptr);
+}
 
 TEST(WayfuseInC, NamesBadInput) {
   RawServer server(greet_and_fuse);
@@ -72,11 +78,14 @@ TEST(Examples, ShowAMovingDotAsTheyArePrinted) {
 
 TEST(Libwayfuse, ExportsTheHeaderAndNothingElse) {
   std::set<std::string> declared;
-  const std::string header = output_of("grep -oE 'wayfuse_[a-z0-9_]+\\(' " WAYFUSE_SOURCE_DIR "/sdk/include/wayfuse/sdk/wayfuse.h");
-  for (std::size_t at = 0, end; (end = header.find("(\n", at)) != std::string::npos; at = end + 2) declared.insert(header.substr(at, end - at));
+  const std::string header =
+      output_of("grep -oE 'wayfuse_[a-z0-9_]+\\(' " WAYFUSE_SOURCE_DIR "/sdk/include/wayfuse/sdk/wayfuse.h");
+  for (std::size_t at = 0, end; (end = header.find("(\n", at)) != std::string::npos; at = end + 2)
+    declared.insert(header.substr(at, end - at));
   std::set<std::string> exported;
   const std::string symbols = output_of("nm -D --defined-only --format=posix " WAYFUSE_SHARED_LIBRARY " | cut -d' ' -f1");
-  for (std::size_t at = 0, end; (end = symbols.find('\n', at)) != std::string::npos; at = end + 1) exported.insert(symbols.substr(at, end - at));
+  for (std::size_t at = 0, end; (end = symbols.find('\n', at)) != std::string::npos; at = end + 1)
+    exported.insert(symbols.substr(at, end - at));
   EXPECT_EQ(exported, declared);
   EXPECT_GE(exported.size(), 25u);
 }

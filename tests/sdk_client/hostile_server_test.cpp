@@ -70,7 +70,8 @@ TEST_F(HostileServer, CannotRecoverAnotherSession) {
 
 TEST_F(HostileServer, GarbageEndsTheConnectionNotTheClient) {
   const std::string good = encode(ServerMessage(fresh()), Encoding::kCbor);
-  std::vector<std::string> frames = {"", "{}", std::string("\0", 1), std::string(70'000, 'x'), good.substr(0, good.size() - 1), good + "x"};
+  std::vector<std::string> frames = {
+      "", "{}", std::string("\0", 1), std::string(70'000, 'x'), good.substr(0, good.size() - 1), good + "x"};
   for (std::size_t length = 1; length < good.size(); length += 3) frames.push_back(good.substr(0, length));
   for (const std::string& frame : frames) {
     faults.clear();

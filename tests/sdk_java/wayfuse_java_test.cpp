@@ -12,7 +12,9 @@ namespace {
 
 std::string run_java(const std::string& words) {
   std::string text;
-  FILE* pipe = popen((WAYFUSE_JAVA " -Xcheck:jni -cp " WAYFUSE_JARS " -Djava.library.path=" WAYFUSE_JNI_FOLDER " " + words + " 2>&1").c_str(), "r");
+  FILE* pipe = popen(
+      (WAYFUSE_JAVA " -Xcheck:jni -cp " WAYFUSE_JARS " -Djava.library.path=" WAYFUSE_JNI_FOLDER " " + words + " 2>&1").c_str(),
+      "r");
   std::array<char, 4096> part;
   while (pipe && std::fgets(part.data(), part.size(), pipe)) text += part.data();
   if (pipe) pclose(pipe);

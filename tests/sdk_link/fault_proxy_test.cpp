@@ -124,7 +124,9 @@ TEST(FaultProxyTest, NothingIsLostWhateverTheNetworkDoes) {
     NetworkLoop loop;
     std::vector<std::unique_ptr<HurriedPhone>> phones;
     for (std::uint64_t seed = first; seed < first + 12; ++seed) phones.push_back(std::make_unique<HurriedPhone>(loop, seed));
-    const auto all_through = [&] { return std::all_of(phones.begin(), phones.end(), [](const auto& p) { return p->through(); }); };
+    const auto all_through = [&] {
+      return std::all_of(phones.begin(), phones.end(), [](const auto& p) { return p->through(); });
+    };
     const PhoneTime heal_at = loop.now() + 3s;  // by then the harm is done; from here the network is whole
     const PhoneTime give_up_at = loop.now() + 60s;
     while (!all_through() && loop.now() < give_up_at) {

@@ -21,16 +21,15 @@ class LinkProbe : public testing::Test {
   static constexpr int kPing = 9;
   static constexpr int kPong = 10;
 
-  LinkProbe() {
-    settings.handshake_most = std::chrono::seconds(10);
-  }
+  LinkProbe() { settings.handshake_most = std::chrono::seconds(10); }
   ~LinkProbe() override {
     link.reset();
     loop.run_for(std::chrono::milliseconds(20));
   }
 
   /// A script that greets with CBOR and goes on with `then`.
-  static RawServer::Script greeting(std::function<void(RawPeer&)> then, std::string subprotocol = std::string(kSubprotocolCbor)) {
+  static RawServer::Script greeting(std::function<void(RawPeer&)> then,
+                                    std::string subprotocol = std::string(kSubprotocolCbor)) {
     return [then = std::move(then), subprotocol = std::move(subprotocol)](RawPeer& peer) {
       const std::string head = peer.read_head();
       if (head.empty()) return;
@@ -44,8 +43,14 @@ class LinkProbe : public testing::Test {
     auto factory = loop.links(settings);
     ASSERT_TRUE(factory) << to_string(factory.fault());
     link = (*factory)();
-    link->open({[this](Encoding encoding) { opened.push_back(encoding); if (on_opened) on_opened(); },
-                [this](std::string_view frame) { received.emplace_back(frame); if (on_received) on_received(); },
+    link->open({[this](Encoding encoding) {
+                  opened.push_back(encoding);
+                  if (on_opened) on_opened();
+                },
+                [this](std::string_view frame) {
+                  received.emplace_back(frame);
+                  if (on_received) on_received();
+                },
                 [this](std::string_view reason) { closed.emplace_back(reason); }, [this] { ++alive; }});
   }
   /// Runs the loop until `done`; false = it took more than 20 s.
@@ -54,8 +59,12 @@ class LinkProbe : public testing::Test {
     while (!done() && loop.now() < end) loop.run_for(std::chrono::milliseconds(2));
     return done();
   }
-  bool until_open() { return run_until([this] { return !opened.empty() || !closed.empty(); }) && !opened.empty(); }
-  bool until_closed() { return run_until([this] { return !closed.empty(); }); }
+  bool until_open() {
+    return run_until([this] { return !opened.empty() || !closed.empty(); }) && !opened.empty();
+  }
+  bool until_closed() {
+    return run_until([this] { return !closed.empty(); });
+  }
   std::string reason() const { return closed.empty() ? "(not closed)" : closed.front(); }
 
   NetworkLoop loop;

@@ -15,13 +15,19 @@ struct Refusal {
 };
 thread_local Refusal refusal;
 
-Vector3 vector_of(const double (&axes)[3]) { return {axes[0], axes[1], axes[2]}; }
+Vector3 vector_of(const double (&axes)[3]) {
+  return {axes[0], axes[1], axes[2]};
+}
 
 wayfuse_status check_options(const wayfuse_options& options) {
-  const std::pair<const wayfuse_text*, const char*> texts[] = {
-      {&options.url, "url"},           {&options.token, "token"},   {&options.device_model, "device_model"},
-      {&options.app, "app"},           {&options.pipeline, "pipeline"}, {&options.ca_pem, "ca_pem"},
-      {&options.pin, "pin"},           {&options.heading_estimator, "heading_estimator"}};
+  const std::pair<const wayfuse_text*, const char*> texts[] = {{&options.url, "url"},
+                                                               {&options.token, "token"},
+                                                               {&options.device_model, "device_model"},
+                                                               {&options.app, "app"},
+                                                               {&options.pipeline, "pipeline"},
+                                                               {&options.ca_pem, "ca_pem"},
+                                                               {&options.pin, "pin"},
+                                                               {&options.heading_estimator, "heading_estimator"}};
   for (const auto& [text, name] : texts) {
     if (!text->data && text->length > 0) return refuse(WAYFUSE_NULL, std::string(name) + ": NULL with a length");
     if (text->length > kTextMost) return refuse(WAYFUSE_BAD_OPTIONS, std::string(name) + ": longer than 1 MiB");
@@ -30,7 +36,8 @@ wayfuse_status check_options(const wayfuse_options& options) {
   if (options.platform < WAYFUSE_PLATFORM_UNLIMITED || options.platform > WAYFUSE_PLATFORM_IOS) {
     return refuse(WAYFUSE_BAD_OPTIONS, "platform: no such platform");
   }
-  if (options.role == WAYFUSE_SURVEY && options.building == 0) return refuse(WAYFUSE_BAD_OPTIONS, "building: a survey needs one");
+  if (options.role == WAYFUSE_SURVEY && options.building == 0)
+    return refuse(WAYFUSE_BAD_OPTIONS, "building: a survey needs one");
   return WAYFUSE_OK;
 }
 
@@ -42,20 +49,32 @@ wayfuse_status refuse(wayfuse_status status, std::string_view why) noexcept {
   return status;
 }
 
-std::string_view last_refusal() noexcept { return {refusal.text, refusal.length}; }
+std::string_view last_refusal() noexcept {
+  return {refusal.text, refusal.length};
+}
 
 std::string_view status_words(wayfuse_status status) noexcept {
   switch (status) {
-    case WAYFUSE_OK: return "ok";
-    case WAYFUSE_BAD_INPUT: return "bad input";
-    case WAYFUSE_NULL: return "a pointer is NULL";
-    case WAYFUSE_BAD_OPTIONS: return "bad options";
-    case WAYFUSE_NO_POSITION: return "no position yet";
-    case WAYFUSE_BUSY: return "busy, try again later";
-    case WAYFUSE_WRONG_STATE: return "not in this role or state";
-    case WAYFUSE_WRONG_THREAD: return "not from inside a callback";
-    case WAYFUSE_NO_MEMORY: return "out of memory";
-    case WAYFUSE_INTERNAL: return "internal error";
+    case WAYFUSE_OK:
+      return "ok";
+    case WAYFUSE_BAD_INPUT:
+      return "bad input";
+    case WAYFUSE_NULL:
+      return "a pointer is NULL";
+    case WAYFUSE_BAD_OPTIONS:
+      return "bad options";
+    case WAYFUSE_NO_POSITION:
+      return "no position yet";
+    case WAYFUSE_BUSY:
+      return "busy, try again later";
+    case WAYFUSE_WRONG_STATE:
+      return "not in this role or state";
+    case WAYFUSE_WRONG_THREAD:
+      return "not from inside a callback";
+    case WAYFUSE_NO_MEMORY:
+      return "out of memory";
+    case WAYFUSE_INTERNAL:
+      return "internal error";
   }
   return "unknown status";
 }
@@ -95,7 +114,8 @@ MargSample marg_of(const wayfuse_marg_sample& sample) {
 
 Result<RssScan> scan_of(int64_t time_us, const wayfuse_reading* readings, std::size_t count) {
   if (count > Limits::kReadingsPerScan) {
-    return Fault{FaultCode::kTooLarge, "readings", std::to_string(count) + " readings, at most " + std::to_string(Limits::kReadingsPerScan)};
+    return Fault{FaultCode::kTooLarge, "readings",
+                 std::to_string(count) + " readings, at most " + std::to_string(Limits::kReadingsPerScan)};
   }
   RssScan scan{PhoneTime{Duration{time_us}}, {}};
   scan.readings.reserve(count);

@@ -21,7 +21,9 @@ UnixTime wall_now() {
   return UnixTime{std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch())};
 }
 
-Fault wrong_state(const char* cause) { return {FaultCode::kUnexpectedMessage, "", cause}; }
+Fault wrong_state(const char* cause) {
+  return {FaultCode::kUnexpectedMessage, "", cause};
+}
 
 }  // namespace
 
@@ -209,7 +211,8 @@ Result<void> Phone::end_point() {
   standing_.reset();
   for (std::size_t begin = 0; begin < point.scans.size() || begin == 0; begin += Limits::kScansPerPoint) {
     const auto first = point.scans.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last = point.scans.begin() + static_cast<std::ptrdiff_t>(std::min(point.scans.size(), begin + Limits::kScansPerPoint));
+    const auto last =
+        point.scans.begin() + static_cast<std::ptrdiff_t>(std::min(point.scans.size(), begin + Limits::kScansPerPoint));
     if (auto added = surveyor_.add_point(point.place, point.sigma_m, {first, last}, wall_now()); !added) return added;
   }
   return upload_batches();

@@ -39,7 +39,9 @@ wayfuse_status with_phone(wayfuse_phone* handle, Call&& call) noexcept {
   return guarded([&] { return call(*handle->phone); });
 }
 
-PhoneTime time_of(int64_t time_us) { return PhoneTime{Duration{time_us}}; }
+PhoneTime time_of(int64_t time_us) {
+  return PhoneTime{Duration{time_us}};
+}
 
 std::string token_from(wayfuse_token ask, void* user) {
   char into[4096];
@@ -79,7 +81,9 @@ PhoneEvents events_of(const wayfuse_options& options) {
     };
   }
   if (options.on_state) {
-    events.state_changed = [call = options.on_state, user](ClientState state) { call(user, static_cast<wayfuse_state>(state)); };
+    events.state_changed = [call = options.on_state, user](ClientState state) {
+      call(user, static_cast<wayfuse_state>(state));
+    };
   }
   if (options.on_fault) {
     events.fault = [call = options.on_fault, user](const Fault& fault) {
@@ -91,7 +95,9 @@ PhoneEvents events_of(const wayfuse_options& options) {
     events.disconnected = [call = options.on_disconnected, user](std::string_view why) { call(user, text_of(why)); };
   }
   if (options.on_samples_lost) {
-    events.samples_lost = [call = options.on_samples_lost, user](std::uint64_t first, std::uint64_t last) { call(user, first, last); };
+    events.samples_lost = [call = options.on_samples_lost, user](std::uint64_t first, std::uint64_t last) {
+      call(user, first, last);
+    };
   }
   if (options.on_survey_stored) {
     events.survey_stored = [call = options.on_survey_stored, user](const SurveyAck& ack) {
@@ -105,15 +111,31 @@ PhoneEvents events_of(const wayfuse_options& options) {
 
 extern "C" {
 
-void wayfuse_options_init(wayfuse_options* options, size_t size) { init_words(options, size); }
-void wayfuse_position_init(wayfuse_position* position, size_t size) { init_words(position, size); }
-void wayfuse_scan_advice_init(wayfuse_scan_advice* advice, size_t size) { init_words(advice, size); }
+void wayfuse_options_init(wayfuse_options* options, size_t size) {
+  init_words(options, size);
+}
+void wayfuse_position_init(wayfuse_position* position, size_t size) {
+  init_words(position, size);
+}
+void wayfuse_scan_advice_init(wayfuse_scan_advice* advice, size_t size) {
+  init_words(advice, size);
+}
 
-uint32_t wayfuse_abi_version(void) { return WAYFUSE_ABI_VERSION; }
-wayfuse_text wayfuse_version(void) { return text_of(std::string_view(WAYFUSE_VERSION)); }
-int64_t wayfuse_now_us(void) { return NetworkLoop::clock_now().time_since_epoch().count(); }
-wayfuse_text wayfuse_status_text(wayfuse_status status) { return text_of(status_words(status)); }
-wayfuse_text wayfuse_last_error(void) { return text_of(last_refusal()); }
+uint32_t wayfuse_abi_version(void) {
+  return WAYFUSE_ABI_VERSION;
+}
+wayfuse_text wayfuse_version(void) {
+  return text_of(std::string_view(WAYFUSE_VERSION));
+}
+int64_t wayfuse_now_us(void) {
+  return NetworkLoop::clock_now().time_since_epoch().count();
+}
+wayfuse_text wayfuse_status_text(wayfuse_status status) {
+  return text_of(status_words(status));
+}
+wayfuse_text wayfuse_last_error(void) {
+  return text_of(last_refusal());
+}
 
 wayfuse_status wayfuse_phone_create(const wayfuse_options* options, wayfuse_phone** phone) {
   if (!options || !phone) return refuse(WAYFUSE_NULL, options ? "phone is NULL" : "options is NULL");
@@ -206,7 +228,8 @@ wayfuse_status wayfuse_survey_begin_walk(wayfuse_phone* phone, wayfuse_text name
   return with_phone(phone, [&](Phone& inner) { return status_of(inner.begin_walk(string_of(name))); });
 }
 
-wayfuse_status wayfuse_survey_mark(wayfuse_phone* phone, int64_t time_us, double x_m, double y_m, int32_t floor, double sigma_m) {
+wayfuse_status wayfuse_survey_mark(wayfuse_phone* phone, int64_t time_us, double x_m, double y_m, int32_t floor,
+                                   double sigma_m) {
   return with_phone(phone, [&](Phone& inner) {
     return status_of(inner.mark(time_of(time_us), Place{{x_m, y_m}, FloorOrdinal{floor}}, sigma_m));
   });
@@ -217,7 +240,9 @@ wayfuse_status wayfuse_survey_end_walk(wayfuse_phone* phone) {
 }
 
 wayfuse_status wayfuse_survey_begin_point(wayfuse_phone* phone, double x_m, double y_m, int32_t floor, double sigma_m) {
-  return with_phone(phone, [&](Phone& inner) { return status_of(inner.begin_point(Place{{x_m, y_m}, FloorOrdinal{floor}}, sigma_m)); });
+  return with_phone(phone, [&](Phone& inner) {
+    return status_of(inner.begin_point(Place{{x_m, y_m}, FloorOrdinal{floor}}, sigma_m));
+  });
 }
 
 wayfuse_status wayfuse_survey_end_point(wayfuse_phone* phone) {

@@ -7,8 +7,8 @@
 namespace wayfuse {
 namespace {
 
-constexpr Duration kSteady = std::chrono::seconds(5);        // a connection that lived so long was a good one
-constexpr Duration kRingMost = std::chrono::minutes(5);      // no server makes us keep samples longer
+constexpr Duration kSteady = std::chrono::seconds(5);    // a connection that lived so long was a good one
+constexpr Duration kRingMost = std::chrono::minutes(5);  // no server makes us keep samples longer
 constexpr Duration kTokenLifeMost = std::chrono::hours(24 * 30);
 constexpr Duration kSilenceMost = std::chrono::minutes(10);
 
@@ -58,8 +58,8 @@ void Client::State::opened(Encoding used) {
   enter(ClientState::kGreeting);
   if (generation_ != generation) return;
   watch(settings_.greeting_most, "the server did not answer hello");
-  Hello hello{settings_.role, settings_.building, token_, settings_.device_model, settings_.app, settings_.pipeline,
-              scheduler_.now(), std::nullopt};
+  Hello hello{settings_.role, settings_.building, token_,           settings_.device_model,
+              settings_.app,  settings_.pipeline, scheduler_.now(), std::nullopt};
   outbox_.hold_still(true);
   resuming_ = settings_.role == Role::kTrack && !session_.empty();
   if (resuming_) hello.resume = Resume{session_, epoch_, outbox_.ask_resume(), ticket_};
@@ -101,7 +101,8 @@ void Client::State::on(const Welcome& welcome) {
 void Client::State::welcomed(const Welcome& welcome) {
   const std::uint64_t generation = generation_;
   outbox_.keep_for(std::max(settings_.sample_ring, std::min(welcome.sample_ring, kRingMost)));
-  settings_.silence_most = std::max(settings_.silence_most, std::min(3 * std::min(welcome.keep_alive, kSilenceMost), kSilenceMost));
+  settings_.silence_most =
+      std::max(settings_.silence_most, std::min(3 * std::min(welcome.keep_alive, kSilenceMost), kSilenceMost));
   streaming_since_ = scheduler_.now();
   token_refusals_ = 0;
   replaying_ = outbox_.has_unsent();
@@ -126,7 +127,8 @@ void Client::State::watch(Duration delay, const char* reason) {
   });
 }
 
-/// Half the patience gone: ask. All of it: the link is dead. A heard frame only notes the time, so that no timer is set a frame.
+/// Half the patience gone: ask. All of it: the link is dead. A heard frame only notes the time, so that no timer is set a
+/// frame.
 void Client::State::watch_silence() {
   cancel(deadline_timer_);
   const Duration quiet = scheduler_.now() - last_heard_;
@@ -138,7 +140,9 @@ void Client::State::watch_silence() {
   deadline_timer_ = after(quiet >= half ? settings_.silence_most - quiet : half - quiet, &State::watch_silence);
 }
 
-void Client::State::heard() { last_heard_ = scheduler_.now(); }
+void Client::State::heard() {
+  last_heard_ = scheduler_.now();
+}
 
 /// A fresh token goes up while the old one still has a tenth of its life left.
 void Client::State::renew_token_after(Duration expires_in) {

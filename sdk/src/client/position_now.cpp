@@ -60,7 +60,8 @@ void PositionNow::fused(const FusedPosition& position, PhoneTime now) {
   fused_ = position;
   while (reports_.size() > 1 && reports_[1].time <= position.valid_at) reports_.pop_front();
   // The report in force when the position was valid tells how far the phone's heading was off.
-  if (!reports_.empty() && position.heading_sigma_rad < 0.5 && reports_.front().time - reports_.front().interval <= position.valid_at) {
+  if (!reports_.empty() && position.heading_sigma_rad < 0.5 &&
+      reports_.front().time - reports_.front().interval <= position.valid_at) {
     turn_rad_ = wrap_angle_rad(turn_rad_ + 0.3 * position.heading.minus(to_local(reports_.front())));
   }
   reckon_anew();

@@ -49,7 +49,8 @@ void ScanPlanner::moved(bool at_rest, PhoneTime now) {
 }
 
 ScanAdvice ScanPlanner::advise(PhoneTime now) const {
-  if (platform_ == ScanPlatform::kIos) return {false, std::nullopt, "iOS lets no application scan: positions rest on motion and satellite fixes"};
+  if (platform_ == ScanPlatform::kIos)
+    return {false, std::nullopt, "iOS lets no application scan: positions rest on motion and satellite fixes"};
   const bool at_rest = resting_since_ && now - *resting_since_ >= 10s;
   if (hint_ && hint_->interval == Duration{0}) return {true, std::nullopt, "the server needs no scan for now"};
   const Duration interval = at_rest ? std::max(usual_interval(platform_, true), hint_ ? hint_->interval : Duration{0})

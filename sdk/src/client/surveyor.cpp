@@ -10,10 +10,13 @@ namespace {
 // Readings heard within this share one place, and so one fingerprint: a radio takes up to 1.8 s to go through its channels,
 // and a fingerprint cut into its channels matches nothing. A walker is within a metre of the middle.
 constexpr Duration kTogether = std::chrono::seconds(2);
-constexpr Duration kSameReading = std::chrono::milliseconds(10);  // phones hand the same reading out again, its age rounded anew
+constexpr Duration kSameReading =
+    std::chrono::milliseconds(10);              // phones hand the same reading out again, its age rounded anew
 constexpr std::size_t kBatchBytes = 60 * 1024;  // of points, as JSON; the rest of a frame is for key and wrapping
 
-Fault misused(const char* cause) { return {FaultCode::kUnexpectedMessage, "walk", cause}; }
+Fault misused(const char* cause) {
+  return {FaultCode::kUnexpectedMessage, "walk", cause};
+}
 
 std::size_t json_bytes(const ReferencePoint& point) {
   return encode(ClientMessage(SurveyBatch{"k", {point}}), Encoding::kJson).size();
@@ -48,7 +51,8 @@ Result<void> Surveyor::begin_walk(std::string name) {
 
 Result<void> Surveyor::mark(PhoneTime time, Place place, double sigma_m) {
   if (!walking_) return misused("no walk has begun");
-  if (!marks_.empty() && time <= marks_.back().time) return Fault{FaultCode::kOutOfRange, "mark.time", "not after the mark before"};
+  if (!marks_.empty() && time <= marks_.back().time)
+    return Fault{FaultCode::kOutOfRange, "mark.time", "not after the mark before"};
   const ReferencePoint probe{place, sigma_m, device_model_, walk_, UnixTime{}, {RssScan{time, {ScanReading{}}}}};
   if (auto checked = check(probe, "mark"); !checked) return checked;
   marks_.push_back({time, place, sigma_m});
@@ -105,8 +109,8 @@ void Surveyor::place_scan(const RssScan& scan, UnixTime at) {
       left_out_ += end - begin;
       continue;
     }
-    RssScan heard{scan.time - newest, {readings.begin() + static_cast<std::ptrdiff_t>(begin),
-                                       readings.begin() + static_cast<std::ptrdiff_t>(end)}};
+    RssScan heard{scan.time - newest,
+                  {readings.begin() + static_cast<std::ptrdiff_t>(begin), readings.begin() + static_cast<std::ptrdiff_t>(end)}};
     for (ScanReading& reading : heard.readings) reading.age -= newest;
     keep({spot->place, spot->sigma_m, device_model_, walk_, at - newest, {std::move(heard)}});
   }

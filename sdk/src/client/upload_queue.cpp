@@ -11,7 +11,8 @@ Result<void> check_upload(const ClientMessage& message) {
   if (auto checked = check(message); !checked) return checked;
   const std::size_t bytes = encode(message, Encoding::kJson).size();
   if (bytes <= Limits::kMessageBytes) return {};
-  return Fault{FaultCode::kTooLarge, "", std::to_string(bytes) + " bytes as JSON, at most " + std::to_string(Limits::kMessageBytes)};
+  return Fault{FaultCode::kTooLarge, "",
+               std::to_string(bytes) + " bytes as JSON, at most " + std::to_string(Limits::kMessageBytes)};
 }
 
 }  // namespace
@@ -21,14 +22,15 @@ const std::string& key_of(const SurveyUpload& upload) {
 }
 
 UploadQueue::Waiting* UploadQueue::find(std::string_view key) {
-  const auto found = std::find_if(waiting_.begin(), waiting_.end(),
-                                  [&](const Waiting& waiting) { return key_of(waiting.upload) == key; });
+  const auto found =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& waiting) { return key_of(waiting.upload) == key; });
   return found == waiting_.end() ? nullptr : &*found;
 }
 
 Result<void> UploadQueue::push(SurveyUpload upload) {
   if (waiting_.size() >= most_) {
-    return Fault{FaultCode::kTooLarge, "", std::to_string(waiting_.size()) + " uploads wait already; try again when one is stored"};
+    return Fault{FaultCode::kTooLarge, "",
+                 std::to_string(waiting_.size()) + " uploads wait already; try again when one is stored"};
   }
   const ClientMessage message = std::visit([](const auto& body) { return ClientMessage(body); }, upload);
   if (auto checked = check_upload(message); !checked) return checked;
@@ -67,8 +69,8 @@ void UploadQueue::rewind() {
 }
 
 bool UploadQueue::settle(std::string_view key) {
-  const auto found = std::find_if(waiting_.begin(), waiting_.end(),
-                                  [&](const Waiting& waiting) { return key_of(waiting.upload) == key; });
+  const auto found =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& waiting) { return key_of(waiting.upload) == key; });
   if (found == waiting_.end()) return false;
   waiting_.erase(found);
   return true;

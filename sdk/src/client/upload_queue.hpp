@@ -12,7 +12,8 @@ namespace wayfuse {
 
 const std::string& key_of(const SurveyUpload& upload);
 
-/// Survey batches and walk parts kept until the server said they are durable. The key never changes, so that a repeat stores nothing twice.
+/// Survey batches and walk parts kept until the server said they are durable. The key never changes, so that a repeat stores
+/// nothing twice.
 ///
 /// Thread: confined to its client.
 class UploadQueue {
