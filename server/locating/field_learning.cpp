@@ -13,10 +13,14 @@ constexpr double kLeastWeight = 1.0;
 constexpr double kMostWeight = 100.0;
 constexpr float kCovered_m = 3.0f;       // a scan with no other walk this near cannot be told anything by the field
 constexpr double kIrrelevant = -16.0;
+constexpr std::size_t kFewestQuestions = 10;  // fewer say nothing about errors
 
 struct Question {
   std::vector<RadioField::Pair> nodes;   // of the query's floor, surveyed ones only
+  std::vector<BuildingPoint> points;     // of the nodes
   std::size_t truth = 0;
+  BuildingPoint place;
+  float least_distance = 1.0f;           // mean of the smallest to other walks
 };
 
 bool covered(const RadioField& field, const RadioField::Storey& storey, const SurveyQuery& query) {
@@ -25,6 +29,19 @@ bool covered(const RadioField& field, const RadioField::Storey& storey, const Su
     if (fingerprint.walk != query.walk && distance_m(fingerprint.place.point, query.place.point) < kCovered_m) return true;
   }
   return false;
+}
+
+// Of unexposed distances: expose() overwrites other columns only.
+float least_distance(const RadioField& field, const RadioField::Storey& storey, int without_walk, const RadioField::Scratch& scratch) {
+  std::vector<float> distances;
+  for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+    if (field.fingerprints()[i].walk != without_walk) distances.push_back(scratch.sorensen[i]);
+  }
+  const std::size_t count = std::min(kFieldVoters, distances.size());
+  std::ranges::partial_sort(distances, distances.begin() + static_cast<std::ptrdiff_t>(count));
+  float sum = static_cast<float>(kFieldVoters - count);
+  for (std::size_t i = 0; i < count; ++i) sum += distances[i];
+  return sum / static_cast<float>(kFieldVoters);
 }
 
 bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch& scratch, Question& question) {
@@ -40,12 +57,42 @@ bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch&
   const std::uint32_t truth = storey->first_node + static_cast<std::uint32_t>(row * storey->columns + column);
   const std::uint32_t end = storey->first_node + static_cast<std::uint32_t>(storey->columns * storey->rows);
   question.nodes.clear();
+  question.points.clear();
+  question.place = query.place.point;
+  question.least_distance = least_distance(field, *storey, query.walk, scratch);
   for (std::uint32_t node = storey->first_node; node < end; ++node) {
     if (node == truth) question.truth = question.nodes.size();
     else if (field.kernels(node).empty()) continue;
     question.nodes.push_back(field.node(node, scratch, query.walk));
+    const auto at = static_cast<int>(node - storey->first_node);
+    question.points.push_back({static_cast<double>(storey->x_m + RadioField::kLattice_m * static_cast<float>(at % storey->columns)),
+                               static_cast<double>(storey->y_m + RadioField::kLattice_m * static_cast<float>(at / storey->columns))});
   }
   return true;
+}
+
+double level_of(const RadioField::Pair& p, const std::array<double, 2>& weight) {
+  return weight[0] * static_cast<double>(p.sorensen) + weight[1] * static_cast<double>(p.cosine);
+}
+
+/// Distance from the mean of the field's posterior to where the scan was.
+double error_m(const Question& question, const std::array<double, 2>& weight) {
+  double highest = -INFINITY;
+  for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
+  double total = 0.0;
+  BuildingPoint mean;
+  for (std::size_t i = 0; i < question.nodes.size(); ++i) {
+    const double share = std::exp(level_of(question.nodes[i], weight) - highest);
+    total += share;
+    mean = {mean.x_m + share * question.points[i].x_m, mean.y_m + share * question.points[i].y_m};
+  }
+  return distance_m({mean.x_m / total, mean.y_m / total}, question.place);
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, at);
+  return *at;
 }
 
 /// Gradient and Hessian of the log-likelihood in (sorensen, cosine).
@@ -54,14 +101,11 @@ struct Slope {
   std::array<double, 3> curvature{};     // ss sc cc, of minus the log-likelihood
 
   void add(const Question& question, const std::array<double, 2>& weight) {
-    const auto level = [&](const RadioField::Pair& p) {
-      return weight[0] * static_cast<double>(p.sorensen) + weight[1] * static_cast<double>(p.cosine);
-    };
     double highest = -INFINITY;
-    for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level(pair));
+    for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
     double total = 0.0, s = 0.0, c = 0.0, ss = 0.0, sc = 0.0, cc = 0.0;
     for (const RadioField::Pair& pair : question.nodes) {
-      const double log_share = level(pair) - highest;
+      const double log_share = level_of(pair, weight) - highest;
       if (log_share < kIrrelevant) continue;
       const double share = std::exp(log_share), a = static_cast<double>(pair.sorensen), b = static_cast<double>(pair.cosine);
       total += share, s += share * a, c += share * b, ss += share * a * a, sc += share * a * b, cc += share * b * b;
@@ -105,6 +149,14 @@ FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   }
   learnt.sorensen = weight[0];
   learnt.cosine = weight[1];
+  if (questions.size() < kFewestQuestions) return learnt;
+  std::vector<double> errors_m, distances;
+  for (const Question& question : questions) {
+    errors_m.push_back(error_m(question, weight));
+    distances.push_back(static_cast<double>(question.least_distance));
+  }
+  learnt.resolution_m = std::clamp(quantile(errors_m, 0.68), 0.5, 50.0);
+  learnt.usual_distance = std::max(0.02, quantile(distances, 0.5));
   return learnt;
 }
 

@@ -48,6 +48,13 @@ class Locator {
   virtual bool draw(FloorOrdinal /*floor*/, Random& /*random*/, std::span<float> /*x_m*/, std::span<float> /*y_m*/) { return false; }
   /// How long before its arrival the newest scan's readings were heard, as the locator weighs them.
   virtual Duration heard_before() const { return Duration{0}; }
+  /// How much worse the newest scan fits its best fingerprints than the survey's own scans fit another walk's: 1 = as usual,
+  /// more where nobody surveyed, or where somebody plays tricks.
+  virtual double mismatch() const { return 1.0; }
+  /// Error of a typical scan taken alone, as the survey shows it: what the locator can resolve in this building. 0 = unknown.
+  virtual double resolution_m() const { return 0.0; }
+  /// Strong readings of the newest scan that nobody heard, or hardly, when surveying around `point` [SAFETY C26].
+  virtual int implausible(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return 0; }
   /// Nobody asks about the newest scan any more: its memory may go back.
   virtual void rest() {}
 

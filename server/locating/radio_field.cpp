@@ -187,6 +187,15 @@ RadioField::Pair RadioField::node(std::uint32_t number, const Scratch& scratch, 
           std::log(cosine / mass) / static_cast<float>(settings_.cosine_sharpness)};
 }
 
+bool RadioField::heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const {
+  for (std::uint32_t p = first_posting_[radio]; p < first_posting_[radio + 1]; ++p) {
+    const Posting& posting = postings_[p];
+    if (posting.strength < least_strength || posting.fingerprint < storey.begin || posting.fingerprint >= storey.end) continue;
+    if (distance_m(fingerprints_[posting.fingerprint].place.point, point) < around_m) return true;
+  }
+  return false;
+}
+
 std::unique_ptr<RadioField::Scratch> RadioField::borrow() const {
   {
     const std::lock_guard lock(mutex_);

@@ -15,7 +15,10 @@ struct FieldWeights {
   double cosine = 12.0;            ///< of the cosine field: what carries a phone with another gain
   double bandwidth_m = 3.5;        ///< of the kernel that spreads a fingerprint over its surroundings
   double delay_s = 2.0;            ///< how much later than its stamp a reading belongs
+  double usual_distance = 0.35;    ///< mean of a scan's smallest Sorensen distances to another walk's fingerprints, median
+  double resolution_m = 5.0;       ///< error that 68 % of single scans stay below
 };
+constexpr std::size_t kFieldVoters = 8;  ///< fingerprints that speak for a floor, the nearest in signal space
 
 struct RadioFieldSettings {
   ReadingStrength strength;
@@ -68,6 +71,9 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   std::span<const Kernel> kernels(std::uint32_t node) const {
     return {kernels_.data() + first_kernel_[node], first_kernel_[node + 1] - first_kernel_[node]};
   }
+
+  /// Whether a fingerprint within `around_m` of the point hears the radio with at least this strength.
+  bool heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const;
 
   /// Memory one scan's matching needs; borrowed for the time it takes.
   struct Scratch {

@@ -7,8 +7,10 @@
 
 namespace wayfuse {
 namespace {
+constexpr double kStrongDbm = -50.0;
+constexpr double kWellHeardDbm = -80.0;
+constexpr double kAround_m = 25.0;
 constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
-constexpr std::size_t kVoters = 8;       // best fingerprints that speak for a floor
 }  // namespace
 
 RadioFieldLocator::RadioFieldLocator(std::shared_ptr<const RadioField> field) : field_(std::move(field)) {}
@@ -18,6 +20,7 @@ RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
       scratch_(other.scratch_ ? std::make_unique<RadioField::Scratch>(*other.scratch_) : nullptr),
       rows_(other.rows_),
       heard_(other.heard_),
+      strong_(other.strong_),
       sum_(other.sum_),
       norm_(other.norm_),
       exposed_(other.exposed_),
@@ -25,7 +28,8 @@ RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
       floors_(other.floors_),
       known_(other.known_),
       unknown_(other.unknown_),
-      heard_before_(other.heard_before_) {}
+      heard_before_(other.heard_before_),
+      mismatch_(other.mismatch_) {}
 
 RadioFieldLocator::~RadioFieldLocator() { RadioFieldLocator::rest(); }
 
@@ -44,6 +48,7 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
   }
   std::ranges::sort(rows_, [](const Row& a, const Row& b) { return a.key != b.key ? a.key < b.key : a.age_s < b.age_s; });
   heard_.clear();
+  strong_.clear();
   double sum = 0.0, squares = 0.0, ages = 0.0;
   known_ = unknown_ = 0;
   for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
@@ -56,10 +61,15 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
     }
     const float value = strength.of(level / members, static_cast<double>(rows_[begin].age_s));
     if (value <= 0.0f) continue;
+    const auto radio = field_->radios().find(rows_[begin].key);
+    if (level / members > kStrongDbm) {
+      strong_.push_back(radio);
+      if (!radio) continue;  // too strong to have been overlooked: new here, or a trick, and no evidence either way
+    }
     sum += static_cast<double>(value);
     squares += static_cast<double>(value) * static_cast<double>(value);
     ages += static_cast<double>(value * rows_[begin].age_s);
-    if (const auto radio = field_->radios().find(rows_[begin].key)) {
+    if (radio) {
       heard_.push_back({*radio, value});
       ++known_;
     } else {
@@ -102,18 +112,19 @@ void RadioFieldLocator::vote() {
   floors_.clear();
   best_.clear();
   for (const RadioField::Storey& each : field_->storeys()) {
-    std::array<float, kVoters> smallest;
+    std::array<float, kFieldVoters> smallest;
     smallest.fill(1.0f);
     for (std::uint32_t i = each.begin; i < each.end; ++i) {
       const float distance = scratch_->sorensen[i];
       if (distance >= smallest.back()) continue;
-      std::size_t at = kVoters - 1;
+      std::size_t at = kFieldVoters - 1;
       for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
       smallest[at] = distance;
     }
-    best_.push_back(std::accumulate(smallest.begin(), smallest.end(), 0.0f) / static_cast<float>(kVoters));
+    best_.push_back(std::accumulate(smallest.begin(), smallest.end(), 0.0f) / static_cast<float>(kFieldVoters));
   }
   const float least = std::ranges::min(best_);
+  mismatch_ = static_cast<double>(least) / field_->weights().usual_distance;
   double total = 0.0;
   for (std::size_t s = 0; s < best_.size(); ++s) {
     const double vote = std::exp(-field_->settings().floor_gain * static_cast<double>(best_[s] - least));
@@ -161,6 +172,16 @@ void RadioFieldLocator::add_log_likelihood(std::span<const float> x_m, std::span
     log_likelihood[i] += (1.0f - up) * ((1.0f - right) * node(*on, column, row) + right * node(*on, column + 1, row)) +
                          up * ((1.0f - right) * node(*on, column, row + 1) + right * node(*on, column + 1, row + 1));
   }
+}
+
+// A radio this strong stands within a few metres: whoever surveyed around the point must have heard it well.
+int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) const {
+  const RadioField::Storey* on = storey(floor);
+  if (!on) return 0;
+  const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
+  return static_cast<int>(std::ranges::count_if(strong_, [&](const std::optional<std::uint32_t>& radio) {
+    return !radio || !field_->heard_near(*radio, *on, point, kAround_m, least);
+  }));
 }
 
 // A fingerprint by its resemblance, then a step as far as its kernel reaches: what the field is made of, drawn directly.

@@ -27,6 +27,9 @@ class RadioFieldLocator final : public Locator {
                           std::span<float> log_likelihood) const override;
   bool draw(FloorOrdinal floor, Random& random, std::span<float> x_m, std::span<float> y_m) override;
   Duration heard_before() const override { return heard_before_; }
+  double mismatch() const override { return mismatch_; }
+  double resolution_m() const override { return field_->weights().resolution_m; }
+  int implausible(FloorOrdinal floor, BuildingPoint point) const override;
   void rest() override;
 
  private:
@@ -45,6 +48,7 @@ class RadioFieldLocator final : public Locator {
   };
   std::vector<Row> rows_;
   std::vector<RadioStrength> heard_;
+  std::vector<std::optional<std::uint32_t>> strong_;  // radios heard from close by; absent: not on the map
   float sum_ = 0.0f;
   float norm_ = 0.0f;
   mutable std::vector<std::uint8_t> exposed_;      // a storey, for the newest scan
@@ -54,6 +58,7 @@ class RadioFieldLocator final : public Locator {
   int known_ = 0;
   int unknown_ = 0;
   Duration heard_before_{0};
+  double mismatch_ = 1.0;
 };
 
 }  // namespace wayfuse

@@ -251,7 +251,7 @@ Result<std::shared_ptr<const TrackerFactory>> assemble_walkers(const PipelineSpe
   for (const ReferencePoint& point : framed.survey) {
     if (std::isfinite(point.place.point.x_m) && std::isfinite(point.place.point.y_m)) trodden.push_back(point.place);
   }
-  parts->settings = field_tracker_settings(assembly.chosen("filter").settings);
+  parts->settings = walker_settings(assembly.chosen("filter").settings);
   if (parts->settings.walkable) parts->walkable = WalkableArea(framed.floors, trodden);
   parts->site = std::move(site);
   return make_field_pipeline(spec, std::move(parts));

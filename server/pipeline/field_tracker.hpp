@@ -2,36 +2,14 @@
 
 #include <memory>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "server/locating/catalogue.hpp"
 #include "server/pipeline/odometry.hpp"
 #include "server/pipeline/tracker.hpp"
-#include "server/tracking/particle_cloud.hpp"
-#include "server/tracking/walkable_area.hpp"
+#include "server/pipeline/walker_cloud.hpp"
 
 namespace wayfuse {
-
-/// Particles that walk as the phone says, each with a compass error and a stride of its own, inside the walkable area, weighed by
-/// a locator's likelihood field. Defaults: judged walk by walk on development walks (README.md, ablation).
-struct FieldTrackerSettings {
-  int particles = 1000;
-  double weight = 0.35;            ///< power of a scan's likelihood: scans of one walk err together
-  double outlier = 0.02;           ///< likelihood, against the best particle's, that no particle falls below
-  double renewed = 0.01;           ///< share of particles a scan draws anew from its likelihood: the way back when lost
-  double heading_sigma_rad = 0.2;  ///< of a particle's own compass error, at its start
-  double heading_walk_rad_rts = 0.02;  ///< its random walk, per root second
-  double stride_sigma = 0.06;      ///< of a particle's own stride, as a share
-  double step_sigma_rtm = 0.25;    ///< m per root metre walked, per axis
-  bool walkable = true;            ///< particles outside the walkable area fade away
-  double floor_memory = 0.999;     ///< share of the floor belief a scan keeps; the rest is spread over all floors
-};
-
-FieldTrackerSettings field_tracker_settings(const PartSettings& settings);
-/// The row of the catalogue: filter `walkers`.
-PartDescription field_tracker_description();
 
 /// A building prepared for field trackers. Immutable, shared by all its sessions.
 struct FieldTrackerParts {
@@ -40,7 +18,7 @@ struct FieldTrackerParts {
   bool empty_map = false;
   std::shared_ptr<const LocatorModel> locator;
   WalkableArea walkable;           ///< in the pipeline's frame
-  FieldTrackerSettings settings;
+  WalkerSettings settings;
 };
 
 /// The project's own tracker.
@@ -61,38 +39,21 @@ class FieldTracker final : public Tracker {
   std::unique_ptr<Tracker> clone() const override { return std::make_unique<FieldTracker>(*this); }
 
  private:
-  struct Spread {
-    double x_m = 0.0;
-    double y_m = 0.0;
-    Covariance covariance;
-  };
   double in_frame_rad(const MotionReport& motion) const;
+  CompassPrior compass() const;
   void walk(const MotionReport& motion, double dt_s, double dx_m, double dy_m);
-  void draw(std::span<float> x_m, std::span<float> y_m);
-  void start_from_scan(BuildingPoint carried);
-  void start_about(BuildingPoint point, double sigma_m);
-  void scatter_columns(std::size_t begin, std::size_t end, BuildingPoint carried);
-  void weigh(BuildingPoint carried);
-  void renew(double share, BuildingPoint carried);
-  void settle();
-  void resample();
   bool believe_floors();
-  Spread spread() const;
-  bool open(float x_m, float y_m) const { return !plan_ || plan_->open(x_m, y_m); }
   bool informative();
+  void take_stock(BuildingPoint carried);
+  Integrity integrity(PhoneTime at) const;
 
   std::shared_ptr<const FieldTrackerParts> parts_;
   Random random_;
   std::unique_ptr<Locator> locator_;
-  ParticleCloud cloud_;
-  std::vector<float> x_then_m_;    ///< scratch: particles when the scan was heard
-  std::vector<float> y_then_m_;
-  std::vector<float> gained_;
+  WalkerCloud cloud_;
   std::vector<FloorProbability> floors_;
   std::optional<FloorOrdinal> floor_;
-  const WalkableArea::Plan* plan_ = nullptr;
   Odometry odometry_;
-  bool started_ = false;
   std::optional<PhoneTime> newest_;
   std::optional<PhoneTime> moved_to_;
   std::optional<PhoneTime> newest_reading_;
@@ -101,11 +62,12 @@ class FieldTracker final : public Tracker {
   double heading_rad_ = 0.0;
   double heading_sigma_rad_ = 0.0;
   double speed_mps_ = 0.0;
-  double since_jitter_s_ = 0.0;
   bool at_rest_ = false;
   int scans_at_rest_ = 0;
   int foreign_floor_ = 0;
   int heard_scans_ = 0;
+  double mismatch_ = 1.0;          ///< smoothed over scans
+  int implausible_ = 0;            ///< strong radios of the newest scan that the survey does not hear about here
   Contributions from_;
 };
 

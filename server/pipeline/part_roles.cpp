@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "server/pipeline/field_tracker.hpp"
+#include "server/pipeline/walker_cloud.hpp"
 #include "server/pipeline/floor_vote.hpp"
 #include "server/pipeline/fusion_tracker.hpp"
 #include "server/pipeline/reading_gate.hpp"
@@ -68,7 +68,7 @@ std::span<const PartDescription> pipeline_parts() {
       PartDescription{"azimuth", "direction", "the phone's heading measures the direction of the state's velocity [P5 eq. 2]",
                       {{"sigma_rad", 0, 0, 3, "0 = as the phone states it; larger trusts the motion model", "[P5 eq. 4]"}}},
       PartDescription{"azimuth", "none", "heading is not a measurement", {}},
-      field_tracker_description(),
+      walkers_description(),
       PartDescription{"recovery", "restart", "start again from the fix after it disagreed several times in a row",
                       {{"gate_sigmas", RecoverySettings{}.gate_sigmas, 1, 100, "distance that counts as disagreement", "-"},
                        {"misses", RecoverySettings{}.misses, 1, 100, "disagreements in a row before the restart", "-", true}}},

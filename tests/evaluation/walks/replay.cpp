@@ -1,6 +1,8 @@
 #include "tests/evaluation/walks/replay.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 #include "wayfuse/sdk/motion_tracker.hpp"
 
@@ -31,8 +33,19 @@ PhoneTime begin_of(const RecordedWalk& walk) {
   return begin;
 }
 
+namespace {
+
+// A pipeline that is no preset: for comparing settings.
+Result<PipelineSpec> from_file(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return Fault{FaultCode::kNotFound, path, "cannot be read"};
+  return parse_pipeline(std::string(std::istreambuf_iterator<char>(file), {}));
+}
+
+}  // namespace
+
 Result<void> DirectReplay::prepare(const std::string& pipeline) {
-  const auto spec = preset(pipeline);
+  const auto spec = pipeline.ends_with(".json") ? from_file(pipeline) : preset(pipeline);
   if (!spec) return spec.fault();
   const auto factory = assemble(*spec, site_);
   if (!factory) return factory.fault();

@@ -1,0 +1,207 @@
+#include "server/pipeline/walker_cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/tracking/noise.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr float kOutsidePenalty = 8.0f;      // log weight: a step through a wall is nearly impossible
+constexpr float kJitter_m = 0.15f;           // keeps copies of one particle apart
+constexpr float kStrideJitter = 0.004f;
+constexpr double kResampleBelow = 0.5;       // of the particles, effective size
+
+}  // namespace
+
+PartDescription walkers_description() {
+  const WalkerSettings standard;
+  return {"filter", "walkers", "walkers with a compass error and stride of their own inside the walkable area, weighed by a field; a whole tracker",
+          {{"particles", static_cast<double>(standard.particles), 10, 100000, "walkers; the error falls slowly, the cost grows with it", "-", true},
+           {"weight", standard.weight, 0.01, 1, "power of a scan's likelihood: scans of one walk err together; larger trusts scans more", "-"},
+           {"outlier", standard.outlier, 0, 1, "likelihood no walker falls below, against the best one's; larger forgives wrong scans", "-"},
+           {"renewed", standard.renewed, 0, 0.5, "share drawn anew from each scan; larger finds back sooner and blurs more", "-"},
+           {"heading_sigma_rad", standard.heading_sigma_rad, 0, 3.2, "compass error of a fresh walker; larger turns more freely", "-"},
+           {"heading_walk_rad_rts", standard.heading_walk_rad_rts, 0, 1, "its random walk per root second", "-"},
+           {"stride_sigma", standard.stride_sigma, 0, 0.5, "stride of a fresh walker against the phone's, as a share", "-"},
+           {"step_sigma_rtm", standard.step_sigma_rtm, 0, 5, "blur per root metre walked", "-"},
+           {"walkable", 1, 0, 1, "0: walls and shops are not looked at", "-", true},
+           {"floor_memory", standard.floor_memory, 0, 1, "share of the floor belief a scan keeps; smaller changes floors sooner", "-"}}};
+}
+
+WalkerSettings walker_settings(const PartSettings& s) {
+  WalkerSettings settings;
+  settings.particles = s.count("particles");
+  settings.weight = s["weight"];
+  settings.outlier = s["outlier"];
+  settings.renewed = s["renewed"];
+  settings.heading_sigma_rad = s["heading_sigma_rad"];
+  settings.heading_walk_rad_rts = s["heading_walk_rad_rts"];
+  settings.stride_sigma = s["stride_sigma"];
+  settings.step_sigma_rtm = s["step_sigma_rtm"];
+  settings.walkable = s.on("walkable");
+  settings.floor_memory = s["floor_memory"];
+  return settings;
+}
+
+WalkerCloud::WalkerCloud(const WalkerSettings& settings)
+    : settings_(settings),
+      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale),
+      x_then_m_(cloud_.size()),
+      y_then_m_(cloud_.size()),
+      gained_(cloud_.size()) {}
+
+// Compass error and stride of fresh particles; then each is carried on as it would have walked.
+void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
+  const auto sigma = static_cast<float>(settings_.heading_sigma_rad), known = static_cast<float>(compass.known_rad);
+  const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
+  const Noise columns(random), directions(random);
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto number = static_cast<std::uint32_t>(i);
+    const Noise::Pair n = columns.normal(number);
+    bias[i] = compass.lost ? 2.0f * std::numbers::pi_v<float> * directions.uniform(number).second : known + sigma * n.first;
+    scale[i] = std::max(0.5f, 1.0f + static_cast<float>(settings_.stride_sigma) * n.second);
+    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
+    x[i] += c * dx - s * dy;
+    y[i] += s * dx + c * dy;
+  }
+}
+
+void WalkerCloud::start_about(BuildingPoint point, double sigma_m, const CompassPrior& compass, Random& random) {
+  const Noise noise(random);
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
+    const Noise::Pair n = noise.normal(i);
+    cloud_.x_m()[i] = static_cast<float>(point.x_m + sigma_m * static_cast<double>(n.first));
+    cloud_.y_m()[i] = static_cast<float>(point.y_m + sigma_m * static_cast<double>(n.second));
+  }
+  std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
+  scatter(0, cloud_.size(), {}, compass, random);
+  started_ = true;
+}
+
+void WalkerCloud::start_from(Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random) {
+  if (!locator.draw(floor, random, cloud_.x_m(), cloud_.y_m())) return;
+  std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
+  scatter(0, cloud_.size(), carried, compass, random);
+  started_ = true;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    if (!open(cloud_.x_m()[i], cloud_.y_m()[i])) cloud_.log_weight()[i] -= kOutsidePenalty;
+  }
+  settle(random);
+}
+
+void WalkerCloud::turn_about(const CompassPrior& compass, Random& random) { scatter(0, cloud_.size(), {}, compass, random); }
+
+void WalkerCloud::walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random) {
+  on_foot_s_ += on_foot_s;
+  if (sigma_m == 0.0) return;
+  const Noise noise(random);
+  const auto dx = static_cast<float>(dx_m), dy = static_cast<float>(dy_m), sigma = static_cast<float>(sigma_m);
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
+  const auto weight = cloud_.log_weight();
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
+    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
+    const Noise::Pair n = noise.normal(i);
+    x[i] += c * dx - s * dy + sigma * n.first;
+    y[i] += s * dx + c * dy + sigma * n.second;
+    if (plan_ && !plan_->open(x[i], y[i])) weight[i] -= kOutsidePenalty;
+  }
+  settle(random);
+}
+
+// Normalised weights, renewed when too few particles carry them. A cloud wholly off the map starts over from equal weights.
+void WalkerCloud::settle(Random& random) {
+  cloud_.normalise();
+  if (cloud_.effective_size() < kResampleBelow * static_cast<double>(cloud_.size())) resample(random);
+}
+
+void WalkerCloud::resample(Random& random) {
+  const auto weight = cloud_.log_weight();
+  const auto size = static_cast<double>(cloud_.size());
+  const double offset = random.uniform() / size;
+  const auto ancestors = cloud_.ancestors();
+  double cumulated = std::exp(static_cast<double>(weight[0]));
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
+    const double target = offset + static_cast<double>(i) / size;
+    while (cumulated < target && at + 1 < cloud_.size()) cumulated += std::exp(static_cast<double>(weight[++at]));
+    ancestors[i] = at;
+  }
+  cloud_.take_ancestors();
+  if (on_foot_s_ == 0.0) return;  // at rest copies may lie on one another: they say where the phone is, not where it goes
+  const auto bias_sigma = static_cast<float>(settings_.heading_walk_rad_rts * std::sqrt(on_foot_s_));
+  on_foot_s_ = 0.0;
+  const Noise place(random), column(random);
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
+  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
+    const Noise::Pair p = place.normal(i), q = column.normal(i);
+    const float moved_x = x[i] + kJitter_m * p.first, moved_y = y[i] + kJitter_m * p.second;
+    if (open(moved_x, moved_y)) x[i] = moved_x, y[i] = moved_y;
+    bias[i] += bias_sigma * q.first;
+    scale[i] += kStrideJitter * q.second;
+  }
+}
+
+void WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
+  const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
+    x_then_m_[i] = x[i] - (c * dx - s * dy);
+    y_then_m_[i] = y[i] - (s * dx + c * dy);
+  }
+  std::ranges::fill(gained_, 0.0f);
+  locator.add_log_likelihood(x_then_m_, y_then_m_, floor, gained_);
+  float best = -INFINITY;
+  for (const float each : gained_) best = std::isfinite(each) ? std::max(best, each) : best;
+  if (!std::isfinite(best)) return;
+  const auto weight = static_cast<float>(settings_.weight), outlier = static_cast<float>(settings_.outlier);
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    cloud_.log_weight()[i] += weight * std::log(std::exp(gained_[i] - best) + outlier);
+  }
+  cloud_.normalise();
+}
+
+// Some particles begin again where the scan says. They weigh as much as an average one.
+void WalkerCloud::renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass,
+                        Random& random) {
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud_.size()));
+  if (count == 0) return;
+  const std::size_t begin = random.below(cloud_.size() - count + 1);
+  if (!locator.draw(floor, random, cloud_.x_m().subspan(begin, count), cloud_.y_m().subspan(begin, count))) return;
+  scatter(begin, begin + count, carried, compass, random);
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    cloud_.log_weight()[i] = -std::log(static_cast<float>(cloud_.size()));
+    if (!open(cloud_.x_m()[i], cloud_.y_m()[i])) cloud_.log_weight()[i] -= kOutsidePenalty;
+  }
+}
+
+void WalkerCloud::weigh(BuildingPoint point, double sigma_m) {
+  const auto weight = cloud_.log_weight();
+  const auto precision = static_cast<float>(1.0 / (sigma_m * sigma_m));
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const float dx = cloud_.x_m()[i] - static_cast<float>(point.x_m), dy = cloud_.y_m()[i] - static_cast<float>(point.y_m);
+    weight[i] -= 0.5f * precision * (dx * dx + dy * dy);
+  }
+}
+
+WalkerCloud::Spread WalkerCloud::spread() const {
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), weight = cloud_.log_weight();
+  double sum = 0.0, sx = 0.0, sy = 0.0;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const double w = std::exp(static_cast<double>(weight[i]));
+    sum += w, sx += w * static_cast<double>(x[i]), sy += w * static_cast<double>(y[i]);
+  }
+  Spread result{{sx / sum, sy / sum}, {}};
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const double w = std::exp(static_cast<double>(weight[i])) / sum;
+    const double dx = static_cast<double>(x[i]) - result.mean.x_m, dy = static_cast<double>(y[i]) - result.mean.y_m;
+    result.covariance.xx_m2 += w * dx * dx, result.covariance.xy_m2 += w * dx * dy, result.covariance.yy_m2 += w * dy * dy;
+  }
+  return result;
+}
+
+}  // namespace wayfuse

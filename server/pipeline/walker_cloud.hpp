@@ -1,0 +1,84 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/locating/locator.hpp"
+#include "server/tracking/particle_cloud.hpp"
+#include "server/tracking/walkable_area.hpp"
+#include "wayfuse/proto/part.hpp"
+#include "wayfuse/proto/random.hpp"
+
+namespace wayfuse {
+
+/// Defaults: judged walk by walk on development walks (README.md, ablation).
+struct WalkerSettings {
+  int particles = 1000;
+  double weight = 0.35;            ///< power of a scan's likelihood: scans of one walk err together
+  double outlier = 0.05;           ///< likelihood, against the best particle's, that no particle falls below
+  double renewed = 0.005;          ///< share of particles a scan draws anew from its likelihood: the way back when lost
+  double heading_sigma_rad = 0.3;  ///< of a particle's own compass error, at its start
+  double heading_walk_rad_rts = 0.02;  ///< its random walk, per root second
+  double stride_sigma = 0.06;      ///< of a particle's own stride, as a share
+  double step_sigma_rtm = 0.35;    ///< m per root metre walked, per axis
+  bool walkable = true;            ///< particles outside the walkable area fade away
+  double floor_memory = 0.999;     ///< share of the floor belief a scan keeps; the rest is spread over all floors
+};
+WalkerSettings walker_settings(const PartSettings& settings);
+/// The row of the catalogue: filter `walkers`.
+PartDescription walkers_description();
+
+/// How fresh walkers are turned against the phone's heading.
+struct CompassPrior {
+  double known_rad = 0.0;          ///< mean of their compass errors
+  bool lost = false;               ///< any direction: the phone's heading has an unknown origin
+};
+
+/// Walkers: particles that go as the phone says, each with a compass error and a stride of its own, inside the walkable area.
+///
+/// Thread: confined to one session. Allocates nothing after construction.
+class WalkerCloud {
+ public:
+  explicit WalkerCloud(const WalkerSettings& settings);
+
+  struct Spread {
+    BuildingPoint mean;
+    Covariance covariance;
+  };
+  bool started() const { return started_; }
+  /// Where walkers may be from now on; null = everywhere.
+  void enter(const WalkableArea::Plan* plan) { plan_ = plan; }
+
+  void start_about(BuildingPoint point, double sigma_m, const CompassPrior& compass, Random& random);
+  /// From the locator's newest scan, carried on by what was walked since it was heard. Stays unstarted when it cannot say.
+  void start_from(Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
+  /// New compass errors for everybody: the phone's heading changed its origin.
+  void turn_about(const CompassPrior& compass, Random& random);
+  /// One interval: displacement by the phone, its sigma per axis, the time spent on foot.
+  void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
+  /// Weighs by the scan where each walker was when it was heard, then draws `share` of them anew from it.
+  void weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried);
+  void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
+  /// Weighs by a point with a sigma per axis.
+  void weigh(BuildingPoint point, double sigma_m);
+  /// Normalised weights, resampled when too few walkers carry them.
+  void settle(Random& random);
+  Spread spread() const;
+
+ private:
+  void scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random);
+  void resample(Random& random);
+  bool open(float x_m, float y_m) const { return !plan_ || plan_->open(x_m, y_m); }
+
+  WalkerSettings settings_;
+  ParticleCloud cloud_;
+  std::vector<float> x_then_m_;    // scratch: walkers when the scan was heard
+  std::vector<float> y_then_m_;
+  std::vector<float> gained_;
+  const WalkableArea::Plan* plan_ = nullptr;
+  double on_foot_s_ = 0.0;         // since copies were last kept apart
+  bool started_ = false;
+};
+
+}  // namespace wayfuse

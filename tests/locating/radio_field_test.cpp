@@ -1,0 +1,184 @@
+#include "server/locating/radio_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/locating/radio_field_locator.hpp"
+
+namespace wayfuse {
+namespace {
+
+// A corridor of 40 m with a radio every 5 m, surveyed by `walks` walks of one fingerprint every 1.3 s, two floors of other radios.
+//
+//   x 0 ---- 10 ---- 20 ---- 30 ---- 40      level = -40 - 1.5 |x - radio|
+double level_dbm(double x_m, int radio) { return -40.0 - 1.5 * std::abs(x_m - 5.0 * radio); }
+
+ScanReading reading(int floor, int radio, double rss_dbm, Duration age = Duration{0}) {
+  return {Bssid{0x00'10'00'00'00'00u + static_cast<std::uint64_t>(floor * 256 + radio)}, rss_dbm, age, 2412, {}, {}};
+}
+
+RssScan scan_at(double x_m, int floor, double offset_db = 0.0, double time_s = 0.0) {
+  RssScan scan{PhoneTime(from_seconds(time_s)), {}};
+  for (int radio = 0; radio <= 8; ++radio) {
+    const double level = level_dbm(x_m, radio) + offset_db;
+    if (level > -95.0) scan.readings.push_back(reading(floor, radio, level));
+  }
+  return scan;
+}
+
+std::vector<ReferencePoint> corridor() {
+  std::vector<ReferencePoint> survey;
+  for (int floor = 0; floor < 2; ++floor) {
+    for (int walk = 0; walk < 4; ++walk) {
+      for (int i = 0; i <= 30; ++i) {
+        const double x_m = walk % 2 ? 40.0 - 1.3 * i : 1.3 * i;
+        survey.push_back({{{x_m, 0.0}, FloorOrdinal{floor}}, 0.0, "phone", "walk " + std::to_string(floor * 4 + walk), {},
+                          {scan_at(x_m, floor, 0.0, i)}});
+      }
+    }
+  }
+  return survey;
+}
+
+RadioFieldSettings in_step() {
+  RadioFieldSettings settings;
+  settings.learn = false;
+  return settings;
+}
+
+class RadioFieldCorridor : public testing::Test {
+ protected:
+  RadioFieldCorridor() : survey_(corridor()), field_(std::make_shared<RadioField>(survey_, in_step())), locator_(field_->make()) {}
+
+  float likelihood(float x_m, float y_m, int floor) const {
+    float value = 0.0f;
+    locator_->add_log_likelihood({&x_m, 1}, {&y_m, 1}, FloorOrdinal{floor}, {&value, 1});
+    return value;
+  }
+
+  std::vector<ReferencePoint> survey_;
+  std::shared_ptr<RadioField> field_;
+  std::unique_ptr<Locator> locator_;
+};
+
+TEST_F(RadioFieldCorridor, FindsTheFloorAndThePlace) {
+  const auto fix = locator_->locate(scan_at(20.0, 1));
+  ASSERT_TRUE(fix);
+  EXPECT_EQ(fix->place.floor, FloorOrdinal{1});
+  EXPECT_NEAR(fix->place.point.x_m, 20.0, 3.0);
+  EXPECT_EQ(locator_->floors().front().floor, FloorOrdinal{1});
+  EXPECT_GT(locator_->floors().front().probability, 0.99);
+}
+
+TEST_F(RadioFieldCorridor, PeaksWhereTheScanWasHeardAndIsNeutralWhereNobodySurveyed) {
+  locator_->locate(scan_at(10.0, 0));
+  EXPECT_GT(likelihood(10.0f, 0.0f, 0), likelihood(20.0f, 0.0f, 0) + 1.0f);
+  EXPECT_GT(likelihood(10.0f, 0.0f, 0), likelihood(3.0f, 0.0f, 0));
+  EXPECT_EQ(likelihood(500.0f, 500.0f, 0), 0.0f);
+}
+
+TEST_F(RadioFieldCorridor, APhoneThatHearsFiveDecibelsMoreStaysWhereItIs) {
+  const auto usual = locator_->locate(scan_at(15.0, 0));
+  const auto louder = locator_->locate(scan_at(15.0, 0, 5.0));
+  ASSERT_TRUE(usual && louder);
+  EXPECT_NEAR(louder->place.point.x_m, usual->place.point.x_m, 1.5);
+}
+
+TEST_F(RadioFieldCorridor, VirtualAccessPointsOfARadioCountOnce) {
+  RssScan scan = scan_at(12.0, 0);
+  const auto alone = locator_->locate(scan);
+  const auto readings = scan.readings;
+  for (ScanReading each : readings) {
+    each.bssid.value |= std::uint64_t{0x02} << 40;  // a derived, locally administered address of the same radio
+    scan.readings.push_back(each);
+  }
+  const auto doubled = locator_->locate(scan);
+  ASSERT_TRUE(alone && doubled);
+  EXPECT_EQ(doubled->place, alone->place);
+  EXPECT_EQ(locator_->transmitters_known(), alone->transmitters);
+}
+
+TEST_F(RadioFieldCorridor, DrawsLieWhereTheLikelihoodIs) {
+  locator_->locate(scan_at(30.0, 0));
+  Random random(7);
+  std::vector<float> x(500), y(500);
+  ASSERT_TRUE(locator_->draw(FloorOrdinal{0}, random, x, y));
+  double mean = 0.0;
+  for (const float each : x) mean += static_cast<double>(each) / 500.0;
+  EXPECT_NEAR(mean, 30.0, 3.0);
+  EXPECT_FALSE(locator_->draw(FloorOrdinal{9}, random, x, y));
+}
+
+TEST_F(RadioFieldCorridor, StrongRadiosNobodyHeardAroundAreImplausible) {
+  RssScan scan = scan_at(20.0, 0);
+  for (int i = 0; i < 3; ++i) scan.readings.push_back(reading(7, i, -35.0));
+  const auto fix = locator_->locate(scan);
+  ASSERT_TRUE(fix);
+  EXPECT_NEAR(fix->place.point.x_m, 20.0, 3.0);
+  EXPECT_EQ(locator_->implausible(FloorOrdinal{0}, {20.0, 0.0}), 3);
+  locator_->locate(scan_at(20.0, 0));
+  EXPECT_EQ(locator_->implausible(FloorOrdinal{0}, {20.0, 0.0}), 0);
+}
+
+TEST_F(RadioFieldCorridor, NothingKnownIsNoFix) {
+  EXPECT_FALSE(locator_->locate(RssScan{}));
+  RssScan foreign;
+  foreign.readings.push_back(reading(9, 9, -70.0));
+  EXPECT_FALSE(locator_->locate(foreign));
+  EXPECT_EQ(locator_->transmitters_unknown(), 1);
+}
+
+TEST_F(RadioFieldCorridor, ACloneAnswersTheSameWhileAScanIsAtHand) {
+  locator_->locate(scan_at(25.0, 0));
+  const auto clone = locator_->clone();
+  const float before = likelihood(25.0f, 1.0f, 0);
+  locator_->rest();
+  float value = 0.0f;
+  const float x_m = 25.0f, y_m = 1.0f;
+  clone->add_log_likelihood({&x_m, 1}, {&y_m, 1}, FloorOrdinal{0}, {&value, 1});
+  EXPECT_EQ(value, before);
+}
+
+TEST(RadioField, AnEmptySurveyAnswersNothing) {
+  const auto field = std::make_shared<RadioField>(std::span<const ReferencePoint>{}, RadioFieldSettings{});
+  EXPECT_FALSE(field->make()->locate(scan_at(1.0, 0)));
+}
+
+TEST(RadioField, LearntWeightsStayNearTheirStandardWhereTheSurveyIsSilent) {
+  std::vector<ReferencePoint> one = {{{{1.0, 1.0}, FloorOrdinal{0}}, 0.0, "phone", "", {}, {scan_at(1.0, 0), scan_at(1.0, 0)}}};
+  const RadioField field(one, RadioFieldSettings{});
+  EXPECT_DOUBLE_EQ(field.weights().sorensen, FieldWeights{}.sorensen);
+}
+
+TEST(RadioField, LearnsFromWalksLeavingEachOut) {
+  const auto survey = corridor();
+  const RadioField field(survey, RadioFieldSettings{});
+  EXPECT_GT(field.weights().sorensen, 1.0);
+  EXPECT_LT(field.weights().resolution_m, 10.0);  // the corridor tells its places apart
+}
+
+TEST(SurveyFingerprints, AHotSpotThatPassedByIsNoRadio) {
+  auto survey = corridor();
+  ScanReading hot_spot = reading(5, 5, -50.0);
+  hot_spot.bssid.value |= std::uint64_t{0x02} << 40;
+  survey[3].scans[0].readings.push_back(hot_spot);
+  survey[4].scans[0].readings.push_back(hot_spot);
+  const SurveyReading read = read_survey(survey, {});
+  EXPECT_FALSE(read.radios.find(RadioNames::key(hot_spot)));
+  EXPECT_TRUE(read.radios.find(RadioNames::key(reading(0, 0, -50.0))));
+}
+
+TEST(SurveyFingerprints, ReadingsAreMatchedWhereTheyBelongInTime) {
+  // With a delay of 2 s what was stamped at x = 0 belongs 2 s of walking on: 2.6 m.
+  const SurveyReading read = read_survey(corridor(), SurveyReadingSettings{});
+  ASSERT_FALSE(read.fingerprints.empty());
+  const SurveyFingerprint& second = read.fingerprints[1];  // 2 s after the first place of walk 0: at 2.6 m
+  EXPECT_NEAR(second.place.point.x_m, 2.6, 1e-6);
+  const auto strongest = std::ranges::max_element(second.heard, {}, &RadioStrength::strength);
+  EXPECT_EQ(strongest->radio, *read.radios.find(RadioNames::key(reading(0, 0, -50.0))));
+}
+
+}  // namespace
+}  // namespace wayfuse

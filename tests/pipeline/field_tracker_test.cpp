@@ -1,0 +1,215 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/pipeline/tracker.hpp"
+
+namespace wayfuse {
+namespace {
+
+// A square walk of 30 m a side around a block, radios at its corners and middles, surveyed both ways round.
+constexpr double kSide_m = 30.0;
+constexpr double kSpeedMps = 1.25;
+
+BuildingPoint around(double walked_m) {
+  const double along = std::fmod(std::fmod(walked_m, 4 * kSide_m) + 4 * kSide_m, 4 * kSide_m);
+  const int side = static_cast<int>(along / kSide_m);
+  const double rest = along - side * kSide_m;
+  const BuildingPoint corners[] = {{0, 0}, {kSide_m, 0}, {kSide_m, kSide_m}, {0, kSide_m}};
+  const double dx[] = {1, 0, -1, 0}, dy[] = {0, 1, 0, -1};
+  return {corners[side].x_m + rest * dx[side], corners[side].y_m + rest * dy[side]};
+}
+
+RssScan scan_at(BuildingPoint p, int floor, double time_s) {
+  RssScan scan{PhoneTime(from_seconds(time_s)), {}};
+  for (int radio = 0; radio < 16; ++radio) {
+    const BuildingPoint at = around(7.5 * radio);
+    const double level = -38.0 - 22.0 * std::log10(1.0 + distance_m(p, at) / 2.0);
+    if (level < -92.0) continue;
+    scan.readings.push_back({Bssid{0x00'20'00'00'00'00u + static_cast<std::uint64_t>(floor * 64 + radio)}, level, Duration{0}, 2437, {}, {}});
+  }
+  return scan;
+}
+
+std::shared_ptr<const Site> block() {
+  auto site = std::make_shared<Site>();
+  site->building = BuildingId{1};
+  for (int floor = 0; floor < 2; ++floor) {
+    site->floors.push_back({FloorOrdinal{floor}, std::to_string(floor), {}, {}});
+    for (int walk = 0; walk < 4; ++walk) {
+      for (int i = 0; i <= 96; ++i) {
+        const BuildingPoint p = around((walk % 2 ? -1.25 : 1.25) * i);
+        site->survey.push_back(
+            {{p, FloorOrdinal{floor}}, 0.0, "phone", "w" + std::to_string(floor * 4 + walk), {}, {scan_at(p, floor, i)}});
+      }
+    }
+  }
+  return site;
+}
+
+std::shared_ptr<const TrackerFactory> default_pipeline() {
+  static const auto factory = *assemble(*preset("default"), block());
+  return factory;
+}
+
+MotionReport step(double time_s, double heading_rad) {
+  MotionReport motion;
+  motion.time = PhoneTime(from_seconds(time_s));
+  motion.interval = from_seconds(0.5);
+  motion.heading = Heading::from_radians(heading_rad);
+  motion.heading_sigma_rad = 0.1;
+  motion.steps = 1;
+  motion.step_length_m = kSpeedMps * 0.5;
+  return motion;
+}
+
+MotionReport rest(double time_s) {
+  MotionReport motion;
+  motion.time = PhoneTime(from_seconds(time_s));
+  motion.interval = from_seconds(0.5);
+  motion.at_rest = true;
+  return motion;
+}
+
+/// Walks from `begin_s` to `end_s` of a round at the compass error given; a scan every 2 s. Mean error of the last half.
+double walk(Tracker& tracker, double begin_s, double end_s, double compass_error_rad) {
+  double sum = 0.0;
+  int count = 0;
+  for (double t = begin_s + 0.5; t <= end_s; t += 0.5) {
+    const BuildingPoint a = around(kSpeedMps * (t - 0.5)), b = around(kSpeedMps * t);
+    tracker.feed(step(t, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m) + compass_error_rad));
+    if (std::fmod(t, 2.0) == 0.0) tracker.feed(scan_at(b, 1, t));
+    if (t < (begin_s + end_s) / 2) continue;
+    const auto position = tracker.position(PhoneTime(from_seconds(t)));
+    if (!position) return INFINITY;
+    sum += distance_m(position->place.point, b);
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(FieldTracker, FollowsAWalkerWhoseCompassIsOff) {
+  const auto tracker = default_pipeline()->make_tracker(Random(1));
+  EXPECT_LT(walk(*tracker, 0.0, 60.0, 0.25), 3.0);
+  EXPECT_EQ(tracker->position(PhoneTime(from_seconds(60.0)))->place.floor, FloorOrdinal{1});
+}
+
+TEST(FieldTracker, FollowsAPhoneWhoseHeadingHasNoOrigin) {
+  const auto tracker = default_pipeline()->make_tracker(Random(2));
+  for (double t = 0.5; t <= 90.0; t += 0.5) {
+    const BuildingPoint a = around(kSpeedMps * (t - 0.5)), b = around(kSpeedMps * t);
+    MotionReport motion = step(t, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m) + 2.0);
+    motion.reference = HeadingReference::kArbitrary;
+    tracker->feed(motion);
+    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(b, 1, t));
+  }
+  EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(90.0)))->place.point, around(kSpeedMps * 90.0)), 6.0);
+}
+
+TEST(FieldTracker, FindsBackFromAWrongStartWithinFifteenSeconds) {
+  const KnownStart wrong{{{0.0, kSide_m}, FloorOrdinal{1}}, 0.5, std::nullopt};
+  const auto tracker = default_pipeline()->make_tracker(Random(3), wrong);
+  walk(*tracker, 0.0, 15.0, 0.0);
+  EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(15.0)))->place.point, around(kSpeedMps * 15.0)), 10.0);
+}
+
+TEST(FieldTracker, APhoneLyingStillStaysWhereItIs) {
+  const auto tracker = default_pipeline()->make_tracker(Random(4));
+  walk(*tracker, 0.0, 20.0, 0.0);
+  Random noise(9);
+  const auto lie = [&](double begin_s, double end_s) {
+    for (double t = begin_s + 0.5; t <= end_s; t += 0.5) {
+      tracker->feed(rest(t));
+      if (std::fmod(t, 2.0) != 0.0) continue;
+      RssScan scan = scan_at(around(kSpeedMps * 20.0), 1, t);
+      for (ScanReading& reading : scan.readings) reading.rss_dbm += 4.0 * noise.normal();
+      tracker->feed(scan);
+    }
+    return *tracker->position(PhoneTime(from_seconds(end_s)));
+  };
+  const FusedPosition settled = lie(20.0, 30.0);
+  const FusedPosition later = lie(30.0, 90.0);
+  EXPECT_LT(distance_m(settled.place.point, later.place.point), 0.3);
+  EXPECT_EQ(settled.place.floor, later.place.floor);
+}
+
+TEST(FieldTracker, ALiftTakesAPhoneAtRestToAnotherFloor) {
+  const auto tracker = default_pipeline()->make_tracker(Random(5));
+  walk(*tracker, 0.0, 20.0, 0.0);
+  for (double t = 20.5; t <= 60.0; t += 0.5) {
+    tracker->feed(rest(t));
+    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(around(kSpeedMps * 20.0), t < 40.0 ? 1 : 0, t));
+  }
+  EXPECT_EQ(tracker->position(PhoneTime(from_seconds(60.0)))->place.floor, FloorOrdinal{0});
+}
+
+TEST(FieldTracker, ThreeStrongRadiosOutOfPlaceAreSuspect) {
+  const auto tracker = default_pipeline()->make_tracker(Random(6));
+  walk(*tracker, 0.0, 20.0, 0.0);
+  EXPECT_EQ(tracker->position(PhoneTime(from_seconds(20.0)))->integrity, Integrity::kOk);
+  RssScan scan = scan_at(around(kSpeedMps * 20.0), 1, 20.5);
+  for (std::uint64_t i = 0; i < 3; ++i) scan.readings.push_back({Bssid{0x00'99'00'00'00'00u + i}, -30.0, Duration{0}, 2412, {}, {}});
+  tracker->feed(scan);
+  const auto position = tracker->position(PhoneTime(from_seconds(20.5)));
+  EXPECT_EQ(position->integrity, Integrity::kSuspect);
+  EXPECT_LT(distance_m(position->place.point, around(kSpeedMps * 20.0)), 5.0);
+}
+
+TEST(FieldTracker, SameSeedSameBitsAndACloneGoesOnAlike) {
+  const auto a = default_pipeline()->make_tracker(Random(8));
+  walk(*a, 0.0, 20.0, 0.1);
+  const auto b = a->clone();
+  walk(*a, 20.0, 30.0, 0.1);
+  walk(*b, 20.0, 30.0, 0.1);
+  EXPECT_EQ(a->position(PhoneTime(from_seconds(30.0))), b->position(PhoneTime(from_seconds(30.0))));
+}
+
+TEST(FieldTracker, OddEvidenceNeverPublishesANaN) {
+  Random random(11);
+  const auto tracker = default_pipeline()->make_tracker(Random(12));
+  const double values[] = {0.0, -1.0, 1.0, 1e9, -1e9, NAN, INFINITY, 1e-300};
+  const auto odd = [&] { return values[random.below(8)]; };
+  double t = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    t += random.uniform();
+    if (random.below(2)) {
+      MotionReport motion = step(t, 0.3);
+      motion.heading = Heading::from_radians(odd());
+      motion.step_length_m = odd();
+      motion.heading_sigma_rad = odd();
+      if (random.below(4) == 0) motion.interval = from_seconds(random.uniform() * 60.0);
+      tracker->feed(motion);
+    } else {
+      RssScan scan = scan_at(around(t), 1, t);
+      for (ScanReading& reading : scan.readings) {
+        if (random.below(3) == 0) reading.rss_dbm = odd();
+      }
+      tracker->feed(scan);
+    }
+    if (const auto position = tracker->position(PhoneTime(from_seconds(t)))) {
+      ASSERT_TRUE(std::isfinite(position->place.point.x_m) && std::isfinite(position->place.point.y_m)) << i;
+      ASSERT_TRUE(std::isfinite(position->radius68_m) && std::isfinite(position->radius95_m)) << i;
+    }
+  }
+}
+
+TEST(FieldTracker, AnEmptyMapSaysSo) {
+  const auto factory = assemble(*preset("default"), std::make_shared<Site>());
+  ASSERT_TRUE(factory);
+  const auto tracker = (*factory)->make_tracker(Random(1));
+  tracker->feed(scan_at({0, 0}, 0, 1.0));
+  EXPECT_FALSE(tracker->position(PhoneTime(from_seconds(1.0))));
+  EXPECT_EQ(tracker->why_no_fix().code, FaultCode::kEmptyRadioMap);
+}
+
+TEST(FieldTracker, WalkersRefuseRolesTheyBringThemselves) {
+  PipelineSpec spec = *preset("default");
+  spec.parts["motion"] = {"walk", {}};
+  EXPECT_EQ(assemble(spec, block()).fault().field, "parts.motion");
+  spec.parts.erase("motion");
+  spec.parts["locator"] = {"wknn", {}};
+  EXPECT_EQ(assemble(spec, block()).fault().field, "parts.locator");
+}
+
+}  // namespace
+}  // namespace wayfuse
