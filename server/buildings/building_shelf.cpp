@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "wayfuse/proto/magnetic_model.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -21,11 +23,23 @@ std::size_t count_known(std::span<const Bssid> known, std::span<const Bssid> hea
       std::ranges::count_if(heard, [&](Bssid bssid) { return std::ranges::binary_search(known, bssid); }));
 }
 
+// The year the survey ends in, for a field that drifts.
+double year_of(const std::vector<ReferencePoint>& survey) {
+  constexpr double kYear_s = 365.2425 * 86400.0;
+  UnixTime newest{};
+  for (const ReferencePoint& point : survey) newest = std::max(newest, point.surveyed_at);
+  return 1970.0 + seconds(newest.time_since_epoch()) / kYear_s;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey) {
   std::shared_ptr<Building> building(new Building());
   building->transmitters_ = transmitters_of(survey);
+  // An operator who tells where the building lies need not look its declination up.
+  if (record.georeference && record.magnetic_field == MagneticField{} && !survey.empty()) {
+    record.magnetic_field = main_field(record.georeference->origin, year_of(survey));
+  }
   auto site = std::make_shared<Site>();
   site->building = record.id;
   site->georeference = record.georeference;

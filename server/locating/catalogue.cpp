@@ -6,6 +6,7 @@
 #include "server/locating/probabilistic.hpp"
 #include "server/locating/propagation.hpp"
 #include "server/locating/radio_field.hpp"
+#include "server/locating/similarity.hpp"
 #include "server/locating/trilateration.hpp"
 
 namespace wayfuse {
@@ -62,6 +63,13 @@ std::shared_ptr<const LocatorModel> radio_field(const LocatingSite& site, const 
   return std::make_shared<RadioField>(site.survey, settings);
 }
 
+const SimilaritySettings kLike;
+
+std::shared_ptr<const LocatorModel> similarity(const LocatingSite& site, const PartSettings& s) {
+  return std::make_shared<Similarity>(site.map, SimilaritySettings{s.count("k"), s["floor_dbm"], s["power"], s["cosine"],
+                                                                   s["offset_most_db"], s["sharpness"]});
+}
+
 }  // namespace
 
 std::span<const LocatorRow> locator_catalogue() {
@@ -93,6 +101,15 @@ std::span<const LocatorRow> locator_catalogue() {
                    {"floor_gain", kField.floor_gain, 0, 100, "log odds of floors a unit of distance; larger makes errors stick", "-"},
                    {"learn", 1, 0, 1, "0: the weights stay as they are written", "-", true}}},
                  radio_field, true, false, true},
+      LocatorRow{{"locator", "similarity", "neighbours by what both heard: Sorensen and cosine of powed levels",
+                  {{"k", static_cast<double>(kLike.k), 1, 64, "neighbours averaged; more are smoother and blur corners", "-", true},
+                   {"floor_dbm", kLike.floor_dbm, -120, -60, "level that counts as nothing; higher ignores weak transmitters", "-"},
+                   {"power", kLike.power, 0.5, 8, "of the level above the floor; larger heeds the strong ones more", "-"},
+                   {"cosine", kLike.cosine, 0, 1, "share of the cosine distance; larger forgives a louder or quieter phone", "-"},
+                   {"offset_most_db", kLike.offset_most_db, 0, 20,
+                    "louder or quieter a phone may hear than the survey's; larger forgives more and tells less", "-"},
+                   {"sharpness", kLike.sharpness, 0, 200, "of the weights; larger trusts the nearest more", "-"}}},
+                 similarity},
   };
   return rows;
 }

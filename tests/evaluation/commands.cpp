@@ -2,7 +2,8 @@
 
 namespace wayfuse {
 
-std::vector<AddCommand> evaluation_commands() { return {add_papers_command, add_site_command, add_walks_command,
-                                                                  add_attitude_command, add_walking_command}; }
+std::vector<AddCommand> evaluation_commands() {
+  return {add_walks_command, add_fingerprints_command, add_papers_command, add_attitude_command, add_walking_command, add_site_command};
+}
 
 }  // namespace wayfuse

@@ -14,6 +14,7 @@ using AddCommand = void (*)(CLI::App& app, std::function<int()>& chosen);
 
 /// One file a subcommand; a new one is a file, a line here and a row in commands.cpp.
 void add_papers_command(CLI::App& app, std::function<int()>& chosen);
+void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen);
 void add_site_command(CLI::App& app, std::function<int()>& chosen);
 void add_walks_command(CLI::App& app, std::function<int()>& chosen);
 void add_attitude_command(CLI::App& app, std::function<int()>& chosen);

@@ -13,6 +13,7 @@
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
+#include "tests/evaluation/walks/socket_replay.hpp"
 #include "tests/evaluation/walks/walks_report.hpp"
 
 namespace wayfuse {
@@ -26,6 +27,8 @@ struct WalksOptions {
   std::string split = "test";
   bool chain = false;
   bool direct = false;
+  bool socket = false;
+  std::string server = WAYFUSE_SERVER_PROGRAM;
   double rss_offset_db = 0.0;
   std::uint64_t seed = 1;
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
@@ -115,8 +118,17 @@ int measure_walks(const WalksOptions& options) {
     const auto prepared = straight ? direct.prepare(name) : (*session)->prepare(name);
     if (!prepared) return complain(prepared.fault());
   }
-  const WalkReplay& usual = options.direct ? static_cast<const WalkReplay&>(direct) : **session;
-  const auto runs = replay_all(options, usual, direct, data);
+  std::unique_ptr<SocketReplay> socket;
+  if (options.socket) {
+    std::fprintf(stderr, "uploading the survey again, to %s\n", options.server.c_str());
+    auto made = SocketReplay::create(options.server, *site, selection->survey);
+    if (!made) return complain(made.fault());
+    socket = *std::move(made);
+  }
+  const WalkReplay* usual = session->get();
+  if (options.direct) usual = &direct;
+  if (options.socket) usual = socket.get();
+  const auto runs = replay_all(options, *usual, direct, data);
   if (!runs) return complain(runs.fault());
 
   WalksOutcome outcome = summarise_walks(data, *runs, *site, options.seed);
@@ -158,6 +170,8 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->check(CLI::Range(1u, 256u))
       ->capture_default_str();
   command->add_flag("--direct", options->direct, "Quick look: straight into the pipelines, without client, codec and session");
+  command->add_flag("--socket", options->socket, "Through real sockets, against a wayfused started for it")->excludes("--direct");
+  command->add_option("--server", options->server, "The wayfused program for --socket")->capture_default_str();
   command->add_option("--json", options->json, "Write the figures to this file");
   command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");
   command->callback([options, &chosen] { chosen = [options] { return measure_walks(*options); }; });

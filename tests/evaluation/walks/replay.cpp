@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "server/quality/walk_quality.hpp"
 #include "wayfuse/sdk/motion_tracker.hpp"
 
 namespace wayfuse {
@@ -60,26 +61,31 @@ Result<WalkReply> DirectReplay::run(const RecordedWalk& walk, std::span<const In
   motion->expect(site_->magnetic_field);
   std::optional<KnownStart> start;
   if (pipeline == "dead-reckoning") start = KnownStart{{walk.way_points.front().point, walk.floor}, 0.5, std::nullopt};
-  const std::unique_ptr<Tracker> tracker = factories_.at(pipeline)->make_tracker(Random(seed), start);
-  WalkReply reply;
-  reply.at.resize(instants.size());
-  const PhoneTime begin = begin_of(walk);
-  const auto note_fix = [&](PhoneTime at) {
-    if (!reply.first_fix_s && tracker->position(at)) reply.first_fix_s = seconds(at - begin);
-  };
+  RecordedTrack track;
+  std::vector<PhoneTime> times;
   PhoneEvents events;
   events.sample = [&](const MargSample& sample) {
     if (const auto report = motion->feed(sample)) {
-      tracker->feed(*report);
-      note_fix(sample.time);
+      track.evidence.push_back(*report);
+      times.push_back(sample.time);
     }
   };
   events.scan = [&](const RssScan& scan) {
-    tracker->feed(scan);
-    note_fix(scan.time);
+    track.evidence.push_back(scan);
+    times.push_back(scan.time);
   };
-  events.ask = [&](std::size_t i) { reply.at[i] = tracker->position(instants[i].time); };
+  events.ask = [&](std::size_t i) { times.push_back(instants[i].time); };
   play(walk, instants, events);
+  const auto answers = replay(*factories_.at(pipeline), track, times, Random(seed), start);
+
+  WalkReply reply;
+  const auto first = std::ranges::find_if(answers, [](const TrackAnswer& answer) { return answer.position.has_value(); });
+  if (first != answers.end()) reply.first_fix_s = seconds(first->time - begin_of(walk));
+  for (const Instant& instant : instants) {
+    // The last answer at that time: everything up to then is in it.
+    const auto after = std::ranges::upper_bound(answers, instant.time, {}, &TrackAnswer::time);
+    reply.at.push_back((after - 1)->position);
+  }
   return reply;
 }
 

@@ -1,45 +1,16 @@
 #include "tests/evaluation/walks/session_replay.hpp"
 
-#include <unistd.h>
-
-#include <stdexcept>
-
 #include "db/database_directory.hpp"
 #include "server/buildings/building_keeper.hpp"
 #include "server/buildings/building_shelf.hpp"
 #include "server/sessions/session.hpp"
+#include "tests/evaluation/walks/survey_upload.hpp"
 #include "tests/evaluation/walks/virtual_loop.hpp"
 #include "wayfuse/sdk/client.hpp"
 #include "wayfuse/sdk/motion_tracker.hpp"
-#include "wayfuse/sdk/surveyor.hpp"
 
 namespace wayfuse {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr const char* kApp = "wayfuse-eval";
-constexpr std::size_t kUploadsAhead = 4;  // batches sent before the answers to earlier ones are awaited
-
-// A folder of its own that goes away with it.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (fs::temp_directory_path() / "wayfuse-eval-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error(pattern + ": cannot make a temporary folder");
-    path_ = pattern;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Rights all_rights() {
   Rights rights;
@@ -64,22 +35,6 @@ struct World {
   SessionWorld world;
 };
 
-Result<std::vector<SurveyBatch>> batches_of(const RecordedWalk& walk) {
-  Surveyor surveyor(walk.device_model.empty() ? "unknown" : walk.device_model, Random(fnv1a(walk.id)));
-  if (const auto begun = surveyor.begin_walk(walk.id); !begun) return begun.fault();
-  std::optional<PhoneTime> marked;
-  for (const TruePoint& point : walk.way_points) {
-    if (marked == point.time) continue;  // marked twice in one millisecond
-    marked = point.time;
-    if (const auto done = surveyor.mark(point.time, {point.point, walk.floor}, 0.0); !done) return done.fault();
-  }
-  for (const RssScan& scan : walk.scans) {
-    if (const auto done = surveyor.scan(scan, UnixTime(scan.time.time_since_epoch())); !done) return done.fault();
-  }
-  if (const auto ended = surveyor.end_walk(); !ended) return ended.fault();
-  return surveyor.take_batches();
-}
-
 }  // namespace
 
 struct SessionReplay::House {
@@ -88,21 +43,17 @@ struct SessionReplay::House {
   BuildingShelf shelf;
   BuildingId building;
 
-  Result<void> create_building(const RecordedSite& site);
+  Result<void> create_building(const BuildingRecord& record);
   Result<void> upload(const std::vector<RecordedWalk>& survey);
   Result<void> make_snapshot();
 };
 
-Result<void> SessionReplay::House::create_building(const RecordedSite& site) {
+Result<void> SessionReplay::House::create_building(const BuildingRecord& record) {
   DatabaseDirectory::Options options;
   options.own_thread = false;
   auto opened = DatabaseDirectory::open(folder.path(), options);
   if (!opened) return opened.fault();
   store = *std::move(opened);
-  BuildingRecord record;
-  record.name = site.name;
-  record.georeference = site.georeference;
-  record.floors = site.floors;
   std::optional<Fault> fault;
   store->create_building(record, [&](Result<BuildingRecord> made) {
     if (made) building = made->id;
@@ -118,30 +69,12 @@ Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& surve
   std::optional<Fault> refused;
   ClientEvents events;
   events.fault = [&](const FaultReport& report) { refused = report.fault; };
-  ClientSettings settings;
-  settings.role = Role::kSurvey;
-  settings.building = building;
-  settings.device_model = "surveyor";
-  settings.app = kApp;
-  Client client(settings, events, [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(),
-                Random(1));
+  Client client(phone_settings(Role::kSurvey, building, "surveyor"), events,
+                [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(), Random(1));
   client.start();
-  const auto settle = [&](std::size_t waiting) {
-    for (int turn = 0; client.uploads_waiting() > waiting && !refused && turn < 1000; ++turn) {
-      loop.run_until(loop.now() + std::chrono::milliseconds(100));
-    }
-    if (client.uploads_waiting() > waiting && !refused) refused = Fault{FaultCode::kTimeout, "survey", "an upload was never acknowledged"};
-  };
-  for (const RecordedWalk& walk : survey) {
-    auto batches = batches_of(walk);
-    if (!batches) return Fault{batches.fault().code, walk.id + ": " + batches.fault().field, batches.fault().cause};
-    for (SurveyBatch& batch : *batches) {
-      if (const auto queued = client.upload(std::move(batch)); !queued) return queued.fault();
-      settle(kUploadsAhead);
-      if (refused) return *refused;
-    }
-  }
-  settle(0);
+  const auto uploaded =
+      upload_survey(client, survey, refused, [&] { loop.run_until(loop.now() + std::chrono::milliseconds(100)); });
+  if (!uploaded) return uploaded;
   client.stop();
   loop.run_until(loop.now() + std::chrono::seconds(1));
   if (refused) return *refused;
@@ -164,7 +97,7 @@ SessionReplay::~SessionReplay() {
 
 Result<std::unique_ptr<SessionReplay>> SessionReplay::create(const RecordedSite& site, const std::vector<RecordedWalk>& survey) {
   std::unique_ptr<SessionReplay> replay(new SessionReplay(std::make_unique<House>()));
-  if (const auto done = replay->house_->create_building(site); !done) return done.fault();
+  if (const auto done = replay->house_->create_building(record_of(site)); !done) return done.fault();
   if (const auto done = replay->house_->upload(survey); !done) return done.fault();
   if (const auto done = replay->house_->make_snapshot(); !done) return done.fault();
   return replay;
@@ -197,12 +130,8 @@ Result<WalkReply> SessionReplay::run(const RecordedWalk& walk, std::span<const I
     newest = position.position;
   };
   events.fault = [&](const FaultReport& report) { fault = report.fault; };
-  ClientSettings settings;
-  settings.building = house_->building;
-  settings.device_model = walk.device_model;
-  settings.app = kApp;
+  ClientSettings settings = phone_settings(Role::kTrack, house_->building, walk.device_model);
   settings.pipeline = pipeline;
-  settings.batch_interval = settings.rest_interval = Duration{0};  // the position is measured, not the radio's sleep
   Client client(settings, events, [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(),
                 Random(seed));
   client.start();

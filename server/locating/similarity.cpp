@@ -1,0 +1,159 @@
+#include "server/locating/similarity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "server/locating/nearest_neighbours.hpp"
+
+namespace wayfuse {
+namespace {
+
+constexpr float kNothingInCommon = 1.0f;
+constexpr double kOffsetStep_db = 4.0;  // between offsets tried; half of it costs a neighbour next to nothing
+
+class SimilarityLocator final : public Locator {
+ public:
+  explicit SimilarityLocator(const Similarity& model) : model_(model) {}
+  std::unique_ptr<Locator> clone() const override { return std::make_unique<SimilarityLocator>(*this); }
+  int transmitters_known() const override { return static_cast<int>(scan_.levels.size()); }
+  int transmitters_unknown() const override { return scan_.unknown; }
+  std::span<const FloorProbability> floors() const override { return floors_; }
+
+  std::optional<Fix> locate(const RssScan& scan) override {
+    model_.map().know(scan, scan_);
+    floors_.clear();
+    if (scan_.levels.empty()) return std::nullopt;
+    model_.distances(scan_, distances_, sums_);
+    vote();
+    return mean(floors_.front().floor);
+  }
+
+ private:
+  // The `most` nearest points of a floor to the front of nearest_, in order.
+  void choose(FloorOrdinal floor, std::size_t most) {
+    const auto points = model_.map().points();
+    nearest_.clear();
+    for (std::uint32_t j = 0; j < points.size(); ++j) {
+      if (points[j].place.floor == floor) nearest_.push_back(j);
+    }
+    most = std::min(most, nearest_.size());
+    const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
+      return distances_[a] != distances_[b] ? distances_[a] < distances_[b] : a < b;
+    };
+    std::partial_sort(nearest_.begin(), nearest_.begin() + static_cast<std::ptrdiff_t>(most), nearest_.end(), nearer);
+    nearest_.resize(most);
+  }
+
+  void vote() {
+    const auto points = model_.map().points();
+    const float least = *std::ranges::min_element(distances_);
+    double total = 0.0;
+    for (const FloorOrdinal floor : model_.map().floors()) {
+      double sum = 0.0;
+      std::size_t count = 0;
+      for (std::size_t j = 0; j < points.size(); ++j) {
+        if (points[j].place.floor != floor) continue;
+        ++count;
+        sum += std::exp(-model_.settings().sharpness * (distances_[j] - least));
+      }
+      floors_.push_back({floor, sum / static_cast<double>(count)});
+      total += floors_.back().probability;
+    }
+    for (FloorProbability& vote : floors_) vote.probability /= total;
+    std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+  }
+
+  Fix mean(FloorOrdinal floor) {
+    const auto points = model_.map().points();
+    choose(floor, static_cast<std::size_t>(model_.settings().k));
+    double total = 0.0, x_m = 0.0, y_m = 0.0;
+    const auto weight = [&](std::uint32_t j) {
+      return std::exp(-model_.settings().sharpness * (distances_[j] - distances_[nearest_.front()]));
+    };
+    for (const std::uint32_t j : nearest_) {
+      const double w = weight(j);
+      total += w;
+      x_m += w * points[j].place.point.x_m;
+      y_m += w * points[j].place.point.y_m;
+    }
+    const BuildingPoint middle{x_m / total, y_m / total};
+    double scatter_m2 = 0.0;
+    for (const std::uint32_t j : nearest_) {
+      const double d_m = distance_m(points[j].place.point, middle);
+      scatter_m2 += 0.5 * weight(j) / total * d_m * d_m;
+    }
+    return {{middle, floor}, std::max(std::sqrt(scatter_m2), model_.least_sigma_m()), transmitters_known()};
+  }
+
+  const Similarity& model_;  // outlives its locators: the tracker's factory holds both
+  KnownScan scan_;
+  std::vector<float> distances_;
+  std::vector<float> sums_;
+  std::vector<std::uint32_t> nearest_;
+  std::vector<FloorProbability> floors_;
+};
+
+}  // namespace
+
+Similarity::Similarity(std::shared_ptr<const RadioMap> map, const SimilaritySettings& settings)
+    : map_(std::move(map)), settings_(settings), least_sigma_m_(half_spacing_m(*map_)) {
+  first_heard_.assign(map_->transmitters().size() + 1, 0);
+  for (const MapLevel& level : map_->levels()) ++first_heard_[level.transmitter + 1];
+  std::partial_sum(first_heard_.begin(), first_heard_.end(), first_heard_.begin());
+  heard_.resize(map_->levels().size());
+  std::vector<std::uint32_t> next(first_heard_.begin(), first_heard_.end() - 1);
+  const auto points = map_->points();
+  for (std::uint32_t j = 0; j < points.size(); ++j) {
+    float total = 0.0f, squares = 0.0f;
+    for (const MapLevel& level : map_->levels(points[j])) {
+      const float v = loudness(level.mean_dbm);
+      heard_[next[level.transmitter]++] = {j, v};
+      total += v;
+      squares += v * v;
+    }
+    total_.push_back(total);
+    norm_.push_back(std::sqrt(squares));
+  }
+}
+
+std::unique_ptr<Locator> Similarity::make() const { return std::make_unique<SimilarityLocator>(*this); }
+
+float Similarity::loudness(double rss_dbm) const {
+  const double above = std::clamp((rss_dbm - settings_.floor_dbm) / -settings_.floor_dbm, 0.0, 1.0);
+  return static_cast<float>(std::pow(above, settings_.power));
+}
+
+void Similarity::distances(const KnownScan& scan, std::vector<float>& out, std::vector<float>& sums) const {
+  out.assign(total_.size(), kNothingInCommon);
+  const int steps = static_cast<int>(std::floor(settings_.offset_most_db / kOffsetStep_db));
+  for (int step = -steps; step <= steps; ++step) lower_distances(scan, step * kOffsetStep_db, out, sums);
+}
+
+void Similarity::lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out, std::vector<float>& sums) const {
+  const std::size_t points = total_.size();
+  sums.assign(2 * points, 0.0f);
+  float* const shared = sums.data();           // sum of min(u, v)
+  float* const product = sums.data() + points; // sum of u v
+  float total = 0.0f, squares = 0.0f;
+  for (const KnownScan::Level& level : scan.levels) {
+    const float u = loudness(level.rss_dbm + offset_db);
+    if (u <= 0.0f) continue;
+    total += u;
+    squares += u * u;
+    for (std::uint32_t h = first_heard_[level.transmitter]; h < first_heard_[level.transmitter + 1]; ++h) {
+      shared[heard_[h].point] += std::min(u, heard_[h].loudness);
+      product[heard_[h].point] += u * heard_[h].loudness;
+    }
+  }
+  const float norm = std::sqrt(squares);
+  const auto mix = static_cast<float>(settings_.cosine);
+  for (std::size_t j = 0; j < points; ++j) {
+    if (shared[j] <= 0.0f) continue;
+    const float sorensen = 1.0f - 2.0f * shared[j] / (total + total_[j]);
+    const float cosine = 1.0f - product[j] / (norm * norm_[j]);
+    out[j] = std::min(out[j], (1.0f - mix) * sorensen + mix * cosine);
+  }
+}
+
+}  // namespace wayfuse

@@ -1,0 +1,275 @@
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "server/locating/catalogue.hpp"
+#include "server/quality/metrics.hpp"
+#include "tests/evaluation/commands.hpp"
+#include "tests/evaluation/datasets/fingerprint_table.hpp"
+#include "tests/evaluation/progress_bar.hpp"
+#include "tests/evaluation/svg_chart.hpp"
+
+namespace wayfuse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr int kFloorsABuilding = 100;  // a building's floors in one ordinal: building * 100 + floor
+
+struct FingerprintsOptions {
+  std::string data;
+  std::string format = "uji";
+  std::vector<std::string> training;
+  std::vector<std::string> validation;
+  std::vector<std::string> locators = {"knn:k=5,exponent=2,floor_dbm=-105", "wknn", "gaussian", "similarity"};
+  unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  std::string json;
+  std::string report;
+};
+
+struct Tables {
+  FingerprintTable training;
+  FingerprintTable validation;
+};
+
+Result<FingerprintTable> read_table(const FingerprintsOptions& options, const std::vector<std::string>& files) {
+  if (options.format == "uji") return read_uji(files.at(0));
+  if (files.size() != 2) return Fault{FaultCode::kMissingField, "training, validation", "levels file and places file expected"};
+  return read_levels_and_places(files[0], files[1]);
+}
+
+// The file names each collection is published under, unless the command line names them.
+Result<Tables> read_split(FingerprintsOptions options) {
+  const fs::path root = options.data;
+  const auto defaulted = [&](std::vector<std::string>& files, std::initializer_list<const char*> names) {
+    if (files.empty()) for (const char* name : names) files.push_back((root / name).string());
+  };
+  if (options.format == "uji") {
+    defaulted(options.training, {"trainingData.csv"});
+    defaulted(options.validation, {"validationData.csv"});
+  } else {
+    defaulted(options.training, {"Training_rss_21Aug17.csv", "Training_coordinates_21Aug17.csv"});
+    defaulted(options.validation, {"Test_rss_21Aug17.csv", "Test_coordinates_21Aug17.csv"});
+  }
+  auto training = read_table(options, options.training);
+  if (!training) return training.fault();
+  auto validation = read_table(options, options.validation);
+  if (!validation) return validation.fault();
+  if (training->access_points != validation->access_points) {
+    return Fault{FaultCode::kOutOfRange, "validation", "other access points than the training table"};
+  }
+  return Tables{*std::move(training), *std::move(validation)};
+}
+
+// Two tables of levels and places tell floors by their heights: both must count them alike.
+FloorOrdinal floor_of(const TabledScan& scan) { return {scan.building * kFloorsABuilding + scan.floor.value}; }
+
+RssScan scan_of(const TabledScan& tabled) {
+  RssScan scan;
+  for (const TabledScan::Heard& heard : tabled.heard) {
+    scan.readings.push_back({Bssid{heard.access_point + 1u}, heard.rss_dbm, Duration{0}, 0, std::nullopt, std::nullopt});
+  }
+  return scan;
+}
+
+std::vector<ReferencePoint> survey_of(const FingerprintTable& table) {
+  std::vector<ReferencePoint> survey;
+  for (const TabledScan& tabled : table.scans) {
+    ReferencePoint point;
+    point.place = {tabled.point, floor_of(tabled)};
+    point.scans = {scan_of(tabled)};
+    survey.push_back(std::move(point));
+  }
+  return survey;
+}
+
+struct LocatorRun {
+  std::string name;
+  std::vector<std::optional<Fix>> fixes;
+};
+
+struct LocatorScore {
+  std::string name;
+  ErrorSummary error;
+  std::size_t unanswered = 0;
+  double floor_hit = 0.0;
+  double building_hit = 0.0;
+  Interval mean_interval;
+  Interval floor_interval;
+  std::vector<double> errors;
+};
+
+// `name` or `name:setting=value,...`
+Result<std::pair<const LocatorRow*, PartSettings>> parse_locator(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  PartChoice choice{text.substr(0, colon), {}};
+  std::vector<PartDescription> known;
+  const LocatorRow* row = nullptr;
+  for (const LocatorRow& candidate : locator_catalogue()) {
+    known.push_back(candidate.description);
+    if (candidate.description.name == choice.name && candidate.prepare) row = &candidate;
+  }
+  if (!row) return Fault{FaultCode::kUnknownName, "locators", choice.name + " is none of " + names_of(known, "locator")};
+  for (std::size_t at = colon; at != std::string::npos;) {
+    const std::size_t end = text.find(',', at + 1);
+    const std::string setting = text.substr(at + 1, end - at - 1);
+    const std::size_t equals = setting.find('=');
+    char* rest = nullptr;
+    const double value = equals == std::string::npos ? std::nan("") : std::strtod(setting.c_str() + equals + 1, &rest);
+    if (std::isnan(value) || *rest != '\0') return Fault{FaultCode::kMalformed, "locators", setting + ": setting=value expected"};
+    choice.settings[setting.substr(0, equals)] = value;
+    at = end;
+  }
+  auto settings = check_settings(row->description, choice, "locators");
+  if (!settings) return settings.fault();
+  return std::pair{row, *settings};
+}
+
+LocatorRun locate_all(const std::string& name, const LocatorModel& model, const FingerprintTable& table, unsigned threads) {
+  LocatorRun run{name, std::vector<std::optional<Fix>>(table.scans.size())};
+  ProgressBar progress(name, table.scans.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    const auto locator = model.make();
+    for (std::size_t i = next++; i < table.scans.size(); i = next++) {
+      run.fixes[i] = locator->locate(scan_of(table.scans[i]));
+      progress.advance();
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (unsigned t = 1; t < threads; ++t) workers.emplace_back(work);
+  work();
+  workers.clear();
+  return run;
+}
+
+LocatorScore score_run(const LocatorRun& run, const FingerprintTable& table) {
+  LocatorScore score;
+  score.name = run.name;
+  std::vector<GroupSum> errors, floors;
+  std::size_t floor_hits = 0, building_hits = 0;
+  for (std::size_t i = 0; i < table.scans.size(); ++i) {
+    if (!run.fixes[i]) {
+      ++score.unanswered;
+      floors.push_back({0.0, 1});
+      continue;
+    }
+    const FloorOrdinal floor = run.fixes[i]->place.floor;
+    score.errors.push_back(distance_m(run.fixes[i]->place.point, table.scans[i].point));
+    errors.push_back({score.errors.back(), 1});
+    const bool hit = floor == floor_of(table.scans[i]);
+    floor_hits += hit;
+    floors.push_back({hit ? 1.0 : 0.0, 1});
+    building_hits += floor.value / kFloorsABuilding == table.scans[i].building;
+  }
+  const double all = static_cast<double>(table.scans.size());
+  score.error = summarise(score.errors);
+  score.floor_hit = static_cast<double>(floor_hits) / all;      // a scan without an answer is a miss
+  score.building_hit = static_cast<double>(building_hits) / all;
+  score.mean_interval = bootstrap_mean(errors, Random(1));
+  score.floor_interval = bootstrap_mean(floors, Random(1));
+  return score;
+}
+
+Json row_json(const LocatorScore& score, std::string_view unit, double metres) {
+  Json row;
+  row["locator"] = score.name;
+  row["unit"] = unit;
+  row["n"] = score.error.n;
+  row["mean_m"] = score.error.mean * metres;
+  row["rmse_m"] = score.error.rmse * metres;
+  row["median_m"] = score.error.median * metres;
+  row["p75_m"] = score.error.p75 * metres;
+  row["p90_m"] = score.error.p90 * metres;
+  row["p95_m"] = score.error.p95 * metres;
+  row["floor_hit"] = score.floor_hit;
+  row["building_hit"] = score.building_hit;
+  row["unanswered"] = score.unanswered;
+  row["mean_m_interval"] = {score.mean_interval.low * metres, score.mean_interval.high * metres};
+  row["floor_hit_interval"] = {score.floor_interval.low, score.floor_interval.high};
+  return row;
+}
+
+void write_report(const FingerprintsOptions& options, const std::vector<LocatorScore>& scores, double true_metres) {
+  fs::create_directories(options.report);
+  std::ofstream out(fs::path(options.report) / "report.md");
+  out << "# Fingerprints\n\nEach validation scan alone, against the training scans. Floor: building and floor right; a scan without an answer is a miss."
+         "\n\n| locator | mean (95 %) | true metres | median | p75 | p90 | floor hit % |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+  char line[300];
+  std::vector<ValueSeries> series;
+  for (const LocatorScore& s : scores) {
+    std::snprintf(line, sizeof line, "| %s | %.2f [%.2f, %.2f] | %.2f | %.2f | %.2f | %.2f | %.1f |\n", s.name.c_str(), s.error.mean,
+                  s.mean_interval.low, s.mean_interval.high, s.error.mean * true_metres, s.error.median, s.error.p75, s.error.p90, 100 * s.floor_hit);
+    out << line;
+    series.push_back({s.name, s.errors});
+  }
+  out << "\n![Errors](cdf.svg)\n";
+  std::ofstream(fs::path(options.report) / "cdf.svg")
+      << distribution_chart({"Error of single scans", "error, units of the collection", "share of the scans below"}, series, 30.0);
+}
+
+int measure_fingerprints(const FingerprintsOptions& options) {
+  const auto complain = [](const Fault& fault) {
+    std::fprintf(stderr, "wayfuse-eval fingerprints: %s\n", to_string(fault).c_str());
+    return 2;
+  };
+  const auto tables = read_split(options);
+  if (!tables) return complain(tables.fault());
+  const std::vector<ReferencePoint> survey = survey_of(tables->training);
+  const LocatingSite site{RadioMap::build(survey), survey, {}};
+  std::vector<LocatorScore> scores;
+  for (const std::string& text : options.locators) {
+    const auto locator = parse_locator(text);
+    if (!locator) return complain(locator.fault());
+    const auto model = locator->first->prepare(site, locator->second);
+    scores.push_back(score_run(locate_all(text, *model, tables->validation, options.threads), tables->validation));
+  }
+  const bool uji = options.format == "uji";
+  const double true_metres = uji ? kUjiMetresPerUnit : 1.0;
+  std::printf("%zu training scans, %zu validation scans, %zu access points\n", tables->training.scans.size(), tables->validation.scans.size(),
+              tables->training.access_points);
+  std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75", "p90", "floor");
+  Json rows = Json::array();
+  for (const LocatorScore& s : scores) {
+    std::printf("%-36s %7.2f [%6.2f, %5.2f] %7.2f %7.2f %7.2f %7.2f  %5.1f%%\n", s.name.c_str(), s.error.mean, s.mean_interval.low,
+                s.mean_interval.high, uji ? s.error.mean * true_metres : s.error.rmse, s.error.median, s.error.p75, s.error.p90, 100 * s.floor_hit);
+    rows.push_back(row_json(s, uji ? "mercator" : "metre", 1.0));
+    if (uji) rows.push_back(row_json(s, "metre", true_metres));
+  }
+  if (!options.json.empty()) {
+    std::ofstream out(options.json);
+    out << Json{{"data", fs::path(options.data).filename().string()}, {"rows", rows}}.dump(1) << "\n";
+    if (!out.flush()) return complain({FaultCode::kNotFound, options.json, "cannot be written"});
+  }
+  if (!options.report.empty()) write_report(options, scores, true_metres);
+  return 0;
+}
+
+}  // namespace
+
+void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen) {
+  const auto options = std::make_shared<FingerprintsOptions>();
+  CLI::App* command = app.add_subcommand("fingerprints", "Accuracy of the locators on single scans of a fingerprint collection");
+  command->add_option("--data", options->data, "Folder of the collection")->required();
+  command->add_option("--format", options->format, "uji: one CSV with header; levels: a CSV of levels and one of x,y,z")
+      ->check(CLI::IsMember({"uji", "levels"}))
+      ->capture_default_str();
+  command->add_option("--training", options->training, "Training file (levels: levels file and places file), instead of the published names")
+      ->expected(1, 2);
+  command->add_option("--validation", options->validation, "Validation file, likewise")->expected(1, 2);
+  command->add_option("--locators", options->locators, "Locators as name or name:setting=value,setting=value (separated by spaces)")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Scans located at once; does not change any figure")->check(CLI::Range(1u, 256u))->capture_default_str();
+  command->add_option("--json", options->json, "Write the figures to this file");
+  command->add_option("--report", options->report, "Write report.md and cdf.svg into this folder");
+  command->callback([options, &chosen] { chosen = [options] { return measure_fingerprints(*options); }; });
+}
+
+}  // namespace wayfuse
