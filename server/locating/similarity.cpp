@@ -26,6 +26,7 @@ class SimilarityLocator final : public Locator {
     if (scan_.levels.empty()) return std::nullopt;
     model_.distances(scan_, distances_, sums_);
     vote();
+    if (floors_.empty()) return std::nullopt;  // what is known was too faint to count
     return mean(floors_.front().floor);
   }
 
@@ -53,10 +54,11 @@ class SimilarityLocator final : public Locator {
       double sum = 0.0;
       std::size_t count = 0;
       for (std::size_t j = 0; j < points.size(); ++j) {
-        if (points[j].place.floor != floor) continue;
+        if (points[j].place.floor != floor || distances_[j] >= kNothingInCommon) continue;
         ++count;
         sum += std::exp(-model_.settings().sharpness * (distances_[j] - least));
       }
+      if (count == 0) continue;
       floors_.push_back({floor, sum / static_cast<double>(count)});
       total += floors_.back().probability;
     }
@@ -117,7 +119,9 @@ Similarity::Similarity(std::shared_ptr<const RadioMap> map, const SimilaritySett
   }
 }
 
-std::unique_ptr<Locator> Similarity::make() const { return std::make_unique<SimilarityLocator>(*this); }
+std::unique_ptr<Locator> Similarity::make() const {
+  return std::make_unique<SimilarityLocator>(*this);
+}
 
 float Similarity::loudness(double rss_dbm) const {
   const double above = std::clamp((rss_dbm - settings_.floor_dbm) / -settings_.floor_dbm, 0.0, 1.0);
@@ -130,11 +134,12 @@ void Similarity::distances(const KnownScan& scan, std::vector<float>& out, std::
   for (int step = -steps; step <= steps; ++step) lower_distances(scan, step * kOffsetStep_db, out, sums);
 }
 
-void Similarity::lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out, std::vector<float>& sums) const {
+void Similarity::lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out,
+                                 std::vector<float>& sums) const {
   const std::size_t points = total_.size();
   sums.assign(2 * points, 0.0f);
-  float* const shared = sums.data();           // sum of min(u, v)
-  float* const product = sums.data() + points; // sum of u v
+  float* const shared = sums.data();            // sum of min(u, v)
+  float* const product = sums.data() + points;  // sum of u v
   float total = 0.0f, squares = 0.0f;
   for (const KnownScan::Level& level : scan.levels) {
     const float u = loudness(level.rss_dbm + offset_db);

@@ -34,7 +34,9 @@ GroupSum total(std::span<const GroupSum> groups, std::span<const std::size_t> dr
   return sum;
 }
 
-double mean_of(const GroupSum& group) { return group.count == 0 ? kNone : group.sum / static_cast<double>(group.count); }
+double mean_of(const GroupSum& group) {
+  return group.count == 0 ? kNone : group.sum / static_cast<double>(group.count);
+}
 
 }  // namespace
 
@@ -89,8 +91,8 @@ ErrorSummary summarise(std::vector<double> errors) {
           percentile_of_sorted(errors, 0.95)};
 }
 
-Interval bootstrap_interval(std::size_t groups, const std::function<double(std::span<const std::size_t>)>& statistic, Random random,
-                            int draws) {
+Interval bootstrap_interval(std::size_t groups, const std::function<double(std::span<const std::size_t>)>& statistic,
+                            Random random, int draws) {
   std::vector<double> values;
   std::vector<std::size_t> drawn(groups);
   for (int draw = 0; groups > 0 && draw < draws; ++draw) {
@@ -111,7 +113,9 @@ PairedDifference paired_difference(std::span<const GroupSum> a, std::span<const 
   assert(a.size() == b.size());
   std::vector<std::size_t> all(a.size());
   std::iota(all.begin(), all.end(), 0);
-  const auto difference = [&](std::span<const std::size_t> drawn) { return mean_of(total(b, drawn)) - mean_of(total(a, drawn)); };
+  const auto difference = [&](std::span<const std::size_t> drawn) {
+    return mean_of(total(b, drawn)) - mean_of(total(a, drawn));
+  };
   PairedDifference result;
   result.difference = difference(all);
   result.interval = bootstrap_interval(a.size(), difference, random, draws);

@@ -10,7 +10,7 @@
 
 namespace wayfuse {
 
-double mean(std::span<const double> values);                 ///< NaN of nothing, like all below
+double mean(std::span<const double> values);  ///< NaN of nothing, like all below
 double root_mean_square(std::span<const double> values);
 /// Between order statistics on a straight line (type 7 of Hyndman and Fan 1996); `share` in 0..1.
 double percentile(std::vector<double> values, double share);
@@ -38,8 +38,8 @@ struct Interval {
 /// The 95 % percentile bootstrap over whole groups: errors within a walk hang together, walks do not.
 ///
 /// `statistic` is called with the indices of the groups drawn, as many as there are. NaN answers are left out.
-Interval bootstrap_interval(std::size_t groups, const std::function<double(std::span<const std::size_t>)>& statistic, Random random,
-                            int draws = 1000);
+Interval bootstrap_interval(std::size_t groups, const std::function<double(std::span<const std::size_t>)>& statistic,
+                            Random random, int draws = 1000);
 
 /// The pooled mean over groups and its interval, from per-group sums and counts.
 struct GroupSum {
@@ -52,7 +52,7 @@ Interval bootstrap_mean(std::span<const GroupSum> groups, Random random, int dra
 struct PairedDifference {
   double difference = 0.0;
   Interval interval;
-  double share_better = 0.0;   ///< of the groups where both have values, those whose mean is lower in b
+  double share_better = 0.0;  ///< of the groups where both have values, those whose mean is lower in b
 };
 PairedDifference paired_difference(std::span<const GroupSum> a, std::span<const GroupSum> b, Random random, int draws = 1000);
 

@@ -41,8 +41,8 @@ std::optional<Place> truth_at(std::span<const WayPoint> marks, PhoneTime time) {
   return Place{{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m)}, before.place.floor};
 }
 
-std::vector<TrackAnswer> replay(const TrackerFactory& pipeline, const RecordedTrack& track, std::span<const PhoneTime> times, Random random,
-                                const std::optional<KnownStart>& start) {
+std::vector<TrackAnswer> replay(const TrackerFactory& pipeline, const RecordedTrack& track, std::span<const PhoneTime> times,
+                                Random random, const std::optional<KnownStart>& start) {
   const std::unique_ptr<Tracker> tracker = pipeline.make_tracker(random, start);
   std::vector<TrackAnswer> answers;
   auto next = track.evidence.begin();
@@ -68,10 +68,11 @@ void QualityGauge::add(const Place& truth, const std::optional<FusedPosition>& a
 
 TrackQuality QualityGauge::read() const {
   const auto share = [&](std::size_t count) {
-    return errors_m_.empty() ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(count) / static_cast<double>(errors_m_.size());
+    return errors_m_.empty() ? std::numeric_limits<double>::quiet_NaN()
+                             : static_cast<double>(count) / static_cast<double>(errors_m_.size());
   };
-  return {asked_,           summarise(errors_m_), share(right_floor_), share(inside68_), share(inside95_),
-          rank_correlation(radii_m_, errors_m_)};
+  return {asked_,           summarise(errors_m_), share(right_floor_),
+          share(inside68_), share(inside95_),     rank_correlation(radii_m_, errors_m_)};
 }
 
 TrackQuality check_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random) {

@@ -13,8 +13,8 @@ namespace wayfuse {
 
 /// A walk whose truth is known, as a server stores it: what the phone reported, and where the walker marked to be.
 struct RecordedTrack {
-  std::vector<SampleBody> evidence;      ///< ascending in time
-  std::vector<WayPoint> marks;           ///< ascending in time
+  std::vector<SampleBody> evidence;  ///< ascending in time
+  std::vector<WayPoint> marks;       ///< ascending in time
 };
 
 /// Of all parts of a survey walk, in their order.
@@ -31,15 +31,15 @@ struct TrackAnswer {
 
 /// Feeds a fresh tracker and asks it at every given time, after all evidence up to then. `times` ascend. Causal: evidence after
 /// a question never changes its answer.
-std::vector<TrackAnswer> replay(const TrackerFactory& pipeline, const RecordedTrack& track, std::span<const PhoneTime> times, Random random,
-                                const std::optional<KnownStart>& start = {});
+std::vector<TrackAnswer> replay(const TrackerFactory& pipeline, const RecordedTrack& track, std::span<const PhoneTime> times,
+                                Random random, const std::optional<KnownStart>& start = {});
 
 /// How good the answers on one or more tracks were, and how honest their circles.
 struct TrackQuality {
   std::size_t asked = 0;
-  ErrorSummary error_m;                  ///< horizontal, where truth is known and an answer was there
-  double floor_hit = 0.0;                ///< share of the answers
-  double in68 = 0.0;                     ///< share of the answers whose 68 % circle holds the truth
+  ErrorSummary error_m;    ///< horizontal, where truth is known and an answer was there
+  double floor_hit = 0.0;  ///< share of the answers
+  double in68 = 0.0;       ///< share of the answers whose 68 % circle holds the truth
   double in95 = 0.0;
   std::optional<double> radius_rank_correlation;  ///< of the 68 % radius with the error
 };

@@ -18,10 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // The unpacked data sets, or a loud skip.
-#define DATA_FOLDER(var, name)                                                                              \
-  const char* var##_root = std::getenv("WAYFUSE_DATA");                                                     \
+#define DATA_FOLDER(var, name)                                                                                \
+  const char* var##_root = std::getenv("WAYFUSE_DATA");                                                       \
   if (var##_root == nullptr) GTEST_SKIP() << "NO DATA: set WAYFUSE_DATA to the folder of unpacked data sets"; \
-  const std::string var = std::string(var##_root) + "/" + (name);                                           \
+  const std::string var = std::string(var##_root) + "/" + (name);                                             \
   if (!fs::exists(var)) GTEST_SKIP() << "NO DATA: " << var << " is missing"
 
 class Scratch : public testing::Test {
@@ -53,9 +53,9 @@ TEST(FloorLabels, BecomeOrdinals) {
   EXPECT_EQ(values({"B1", "F1", "F2", "F3", "F4"}), (std::vector<int>{-1, 0, 1, 2, 3}));
   EXPECT_EQ(values({"B2", "1F", "2F"}), (std::vector<int>{-2, 0, 1}));
   EXPECT_EQ(values({"L3", "L1"}), (std::vector<int>{2, 0}));
-  EXPECT_EQ(values({"G", "L1", "LG1"}), (std::vector<int>{0, 1, -1}));       // ground below the first floor
+  EXPECT_EQ(values({"G", "L1", "LG1"}), (std::vector<int>{0, 1, -1}));            // ground below the first floor
   EXPECT_EQ(values({"F1", "Mezzanine", "Atrium"}), (std::vector<int>{0, 2, 1}));  // nothing said: above the top
-  EXPECT_EQ(values({"F1", "1F"}), (std::vector<int>{0, 1}));                 // never twice the same
+  EXPECT_EQ(values({"F1", "1F"}), (std::vector<int>{0, 1}));                      // never twice the same
 }
 
 TEST(Splits, FollowTheHashOfTheTraceId) {
@@ -63,7 +63,7 @@ TEST(Splits, FollowTheHashOfTheTraceId) {
   EXPECT_EQ(fnv1a(""), 0xcbf29ce484222325u);
   EXPECT_EQ(fnv1a("a"), 0xaf63dc4c8601ec8cu);
   EXPECT_EQ(fnv1a("foobar"), 0x85944171f73967e8u);
-  EXPECT_EQ(split_of("foobar"), Split::kTest);         // 0x...e8 is a multiple of 4
+  EXPECT_EQ(split_of("foobar"), Split::kTest);  // 0x...e8 is a multiple of 4
   EXPECT_EQ(split_of("a"), Split::kTest);
 }
 
@@ -168,9 +168,10 @@ TEST_F(SiteFolder, FaultsNameFolderFloorAndFile) {
 }
 
 TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
-  const std::string file = write("t.csv",
-                                 "WAP001,WAP002,WAP003,LONGITUDE,LATITUDE,FLOOR,BUILDINGID,SPACEID,RELATIVEPOSITION,USERID,PHONEID,TIMESTAMP\n"
-                                 "100,-50,-70,-7541.26,4864921.0,2,1,106,2,2,23,1371713733\n");
+  const std::string file =
+      write("t.csv",
+            "WAP001,WAP002,WAP003,LONGITUDE,LATITUDE,FLOOR,BUILDINGID,SPACEID,RELATIVEPOSITION,USERID,PHONEID,TIMESTAMP\n"
+            "100,-50,-70,-7541.26,4864921.0,2,1,106,2,2,23,1371713733\n");
   const auto table = read_uji(file);
   ASSERT_TRUE(table) << to_string(table.fault());
   ASSERT_EQ(table->scans.size(), 1u);
@@ -185,7 +186,8 @@ TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
 }
 
 TEST_F(FingerprintFile, LevelsAndPlacesGoTogetherByLine) {
-  const auto table = read_levels_and_places(write("rss.csv", "-50,100\n100,-60\n-40,-41\n"), write("xyz.csv", "1,2,0\n3,4,3.7\n5,6,7.4\n"));
+  const auto table =
+      read_levels_and_places(write("rss.csv", "-50,100\n100,-60\n-40,-41\n"), write("xyz.csv", "1,2,0\n3,4,3.7\n5,6,7.4\n"));
   ASSERT_TRUE(table) << to_string(table.fault());
   ASSERT_EQ(table->scans.size(), 3u);
   EXPECT_EQ(table->scans[2].floor.value, 2);
@@ -234,7 +236,8 @@ TEST(RealData, BroadTrialsHaveTruthAndAMovingPhase) {
   const auto trial = read_broad_trial(trials[0]);
   ASSERT_TRUE(trial) << to_string(trial.fault());
   EXPECT_EQ(trial->samples.size(), trial->truth.size());
-  const double rate_hz = static_cast<double>(trial->samples.size() - 1) / seconds(trial->samples.back().time - trial->samples.front().time);
+  const double rate_hz =
+      static_cast<double>(trial->samples.size() - 1) / seconds(trial->samples.back().time - trial->samples.front().time);
   EXPECT_NEAR(rate_hz, 285.714, 0.001);
 }
 

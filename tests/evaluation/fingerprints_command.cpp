@@ -49,7 +49,8 @@ Result<FingerprintTable> read_table(const FingerprintsOptions& options, const st
 Result<Tables> read_split(FingerprintsOptions options) {
   const fs::path root = options.data;
   const auto defaulted = [&](std::vector<std::string>& files, std::initializer_list<const char*> names) {
-    if (files.empty()) for (const char* name : names) files.push_back((root / name).string());
+    if (files.empty())
+      for (const char* name : names) files.push_back((root / name).string());
   };
   if (options.format == "uji") {
     defaulted(options.training, {"trainingData.csv"});
@@ -69,7 +70,9 @@ Result<Tables> read_split(FingerprintsOptions options) {
 }
 
 // Two tables of levels and places tell floors by their heights: both must count them alike.
-FloorOrdinal floor_of(const TabledScan& scan) { return {scan.building * kFloorsABuilding + scan.floor.value}; }
+FloorOrdinal floor_of(const TabledScan& scan) {
+  return {scan.building * kFloorsABuilding + scan.floor.value};
+}
 
 RssScan scan_of(const TabledScan& tabled) {
   RssScan scan;
@@ -123,7 +126,8 @@ Result<std::pair<const LocatorRow*, PartSettings>> parse_locator(const std::stri
     const std::size_t equals = setting.find('=');
     char* rest = nullptr;
     const double value = equals == std::string::npos ? std::nan("") : std::strtod(setting.c_str() + equals + 1, &rest);
-    if (std::isnan(value) || *rest != '\0') return Fault{FaultCode::kMalformed, "locators", setting + ": setting=value expected"};
+    if (std::isnan(value) || *rest != '\0')
+      return Fault{FaultCode::kMalformed, "locators", setting + ": setting=value expected"};
     choice.settings[setting.substr(0, equals)] = value;
     at = end;
   }
@@ -171,7 +175,7 @@ LocatorScore score_run(const LocatorRun& run, const FingerprintTable& table) {
   }
   const double all = static_cast<double>(table.scans.size());
   score.error = summarise(score.errors);
-  score.floor_hit = static_cast<double>(floor_hits) / all;      // a scan without an answer is a miss
+  score.floor_hit = static_cast<double>(floor_hits) / all;  // a scan without an answer is a miss
   score.building_hit = static_cast<double>(building_hits) / all;
   score.mean_interval = bootstrap_mean(errors, Random(1));
   score.floor_interval = bootstrap_mean(floors, Random(1));
@@ -200,19 +204,22 @@ Json row_json(const LocatorScore& score, std::string_view unit, double metres) {
 void write_report(const FingerprintsOptions& options, const std::vector<LocatorScore>& scores, double true_metres) {
   fs::create_directories(options.report);
   std::ofstream out(fs::path(options.report) / "report.md");
-  out << "# Fingerprints\n\nEach validation scan alone, against the training scans. Floor: building and floor right; a scan without an answer is a miss."
-         "\n\n| locator | mean (95 %) | true metres | median | p75 | p90 | floor hit % |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+  out << "# Fingerprints\n\nEach validation scan alone, against the training scans. Floor: building and floor right; a scan "
+         "without an answer is a miss."
+         "\n\n| locator | mean (95 %) | true metres | median | p75 | p90 | floor hit % |\n| --- | ---: | ---: | ---: | ---: | "
+         "---: | ---: |\n";
   char line[300];
   std::vector<ValueSeries> series;
   for (const LocatorScore& s : scores) {
-    std::snprintf(line, sizeof line, "| %s | %.2f [%.2f, %.2f] | %.2f | %.2f | %.2f | %.2f | %.1f |\n", s.name.c_str(), s.error.mean,
-                  s.mean_interval.low, s.mean_interval.high, s.error.mean * true_metres, s.error.median, s.error.p75, s.error.p90, 100 * s.floor_hit);
+    std::snprintf(line, sizeof line, "| %s | %.2f [%.2f, %.2f] | %.2f | %.2f | %.2f | %.2f | %.1f |\n", s.name.c_str(),
+                  s.error.mean, s.mean_interval.low, s.mean_interval.high, s.error.mean * true_metres, s.error.median,
+                  s.error.p75, s.error.p90, 100 * s.floor_hit);
     out << line;
     series.push_back({s.name, s.errors});
   }
   out << "\n![Errors](cdf.svg)\n";
-  std::ofstream(fs::path(options.report) / "cdf.svg")
-      << distribution_chart({"Error of single scans", "error, units of the collection", "share of the scans below"}, series, 30.0);
+  std::ofstream(fs::path(options.report) / "cdf.svg") << distribution_chart(
+      {"Error of single scans", "error, units of the collection", "share of the scans below"}, series, 30.0);
 }
 
 int measure_fingerprints(const FingerprintsOptions& options) {
@@ -233,13 +240,15 @@ int measure_fingerprints(const FingerprintsOptions& options) {
   }
   const bool uji = options.format == "uji";
   const double true_metres = uji ? kUjiMetresPerUnit : 1.0;
-  std::printf("%zu training scans, %zu validation scans, %zu access points\n", tables->training.scans.size(), tables->validation.scans.size(),
-              tables->training.access_points);
-  std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75", "p90", "floor");
+  std::printf("%zu training scans, %zu validation scans, %zu access points\n", tables->training.scans.size(),
+              tables->validation.scans.size(), tables->training.access_points);
+  std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75",
+              "p90", "floor");
   Json rows = Json::array();
   for (const LocatorScore& s : scores) {
-    std::printf("%-36s %7.2f [%6.2f, %5.2f] %7.2f %7.2f %7.2f %7.2f  %5.1f%%\n", s.name.c_str(), s.error.mean, s.mean_interval.low,
-                s.mean_interval.high, uji ? s.error.mean * true_metres : s.error.rmse, s.error.median, s.error.p75, s.error.p90, 100 * s.floor_hit);
+    std::printf("%-36s %7.2f [%6.2f, %5.2f] %7.2f %7.2f %7.2f %7.2f  %5.1f%%\n", s.name.c_str(), s.error.mean,
+                s.mean_interval.low, s.mean_interval.high, uji ? s.error.mean * true_metres : s.error.rmse, s.error.median,
+                s.error.p75, s.error.p90, 100 * s.floor_hit);
     rows.push_back(row_json(s, uji ? "mercator" : "metre", 1.0));
     if (uji) rows.push_back(row_json(s, "metre", true_metres));
   }
@@ -256,17 +265,24 @@ int measure_fingerprints(const FingerprintsOptions& options) {
 
 void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<FingerprintsOptions>();
-  CLI::App* command = app.add_subcommand("fingerprints", "Accuracy of the locators on single scans of a fingerprint collection");
+  CLI::App* command =
+      app.add_subcommand("fingerprints", "Accuracy of the locators on single scans of a fingerprint collection");
   command->add_option("--data", options->data, "Folder of the collection")->required();
   command->add_option("--format", options->format, "uji: one CSV with header; levels: a CSV of levels and one of x,y,z")
       ->check(CLI::IsMember({"uji", "levels"}))
       ->capture_default_str();
-  command->add_option("--training", options->training, "Training file (levels: levels file and places file), instead of the published names")
+  command
+      ->add_option("--training", options->training,
+                   "Training file (levels: levels file and places file), instead of the published names")
       ->expected(1, 2);
   command->add_option("--validation", options->validation, "Validation file, likewise")->expected(1, 2);
-  command->add_option("--locators", options->locators, "Locators as name or name:setting=value,setting=value (separated by spaces)")
+  command
+      ->add_option("--locators", options->locators,
+                   "Locators as name or name:setting=value,setting=value (separated by spaces)")
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "Scans located at once; does not change any figure")->check(CLI::Range(1u, 256u))->capture_default_str();
+  command->add_option("--threads", options->threads, "Scans located at once; does not change any figure")
+      ->check(CLI::Range(1u, 256u))
+      ->capture_default_str();
   command->add_option("--json", options->json, "Write the figures to this file");
   command->add_option("--report", options->report, "Write report.md and cdf.svg into this folder");
   command->callback([options, &chosen] { chosen = [options] { return measure_fingerprints(*options); }; });

@@ -21,10 +21,13 @@ Frame frame_of(const PlanPicture& picture) {
   Frame frame;
   const bool outlined = picture.floor && !picture.floor->outline.rings.empty();
   if (outlined && !picture.zoom_to_tracks) {
-    for (const Ring& ring : picture.floor->outline.rings) std::for_each(ring.begin(), ring.end(), [&](auto p) { frame.take(p); });
+    for (const Ring& ring : picture.floor->outline.rings)
+      std::for_each(ring.begin(), ring.end(), [&](auto p) { frame.take(p); });
   } else {
-    for (const PlanTrack& track : picture.tracks) std::for_each(track.points.begin(), track.points.end(), [&](auto p) { frame.take(p); });
-    for (const PlanArea& area : picture.areas) std::for_each(area.cells.begin(), area.cells.end(), [&](auto p) { frame.take(p); });
+    for (const PlanTrack& track : picture.tracks)
+      std::for_each(track.points.begin(), track.points.end(), [&](auto p) { frame.take(p); });
+    for (const PlanArea& area : picture.areas)
+      std::for_each(area.cells.begin(), area.cells.end(), [&](auto p) { frame.take(p); });
   }
   if (frame.empty()) frame = {{0, 0}, {10, 10}};
   const double margin_m = picture.zoom_to_tracks ? 12.0 : 4.0;
@@ -51,24 +54,50 @@ struct Paper {
   }
 };
 
-std::string scale_bar(const Paper& paper, double width, double height) {
-  const double length_m = round_step((paper.frame.high.x_m - paper.frame.low.x_m) / 4.0, 1);
+// At the top right: a legend has the bottom.
+std::string scale_bar(const Paper& paper, double width) {
+  const double length_m = round_step((paper.frame.high.x_m - paper.frame.low.x_m) / 5.0, 1);
   const double right = width - 16.0;
   const double left = right - length_m * paper.scale;
-  return svg_line(left, height - 14, right, height - 14, "#222", 2.5) +
-         svg_words(0.5 * (left + right), height - 19, brief(length_m) + " m", "middle", 12);
+  return svg_line(left, 30, right, 30, "#222", 2.5) + svg_words(0.5 * (left + right), 24, brief(length_m) + " m", "middle", 12);
 }
+
+// Entries from left to right, in as many rows as they need.
+class Legend {
+ public:
+  explicit Legend(double width) : width_(width) {}
+  void add(const std::string& name, const std::string& colour, double opacity) {
+    if (name.empty()) return;
+    const double length = 46.0 + 7.4 * static_cast<double>(name.size());
+    if (x_ > 12.0 && x_ + length > width_) {
+      x_ = 12.0;
+      y_ += 20.0;
+    }
+    marks_ += svg_line(x_, y_ - 4, x_ + 22, y_ - 4, colour, 5, "stroke-opacity=\"" + brief(opacity) + "\"") +
+              svg_words(x_ + 28, y_, name, "start", 12);
+    x_ += length;
+  }
+  double height() const { return y_ + 10.0; }
+  std::string at(double top) const { return "<g transform=\"translate(0," + brief(top) + ")\">\n" + marks_ + "</g>\n"; }
+
+ private:
+  double width_;
+  double x_ = 12.0;
+  double y_ = 20.0;
+  std::string marks_;
+};
 
 std::string track_mark(const Paper& paper, const PlanTrack& track) {
   std::string points;
   for (const BuildingPoint p : track.points) points += paper.at(p) + " ";
   const double width = std::max(1.0, track.width_m * paper.scale);
-  std::string svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) + "\" stroke-opacity=\"" +
-                    brief(track.opacity) + "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
+  std::string svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) +
+                    "\" stroke-opacity=\"" + brief(track.opacity) +
+                    "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
   if (track.dots) {
     for (const BuildingPoint p : track.points) {
-      svg += "<circle cx=\"" + brief(paper.x(p.x_m)) + "\" cy=\"" + brief(paper.y(p.y_m)) + "\" r=\"" + brief(1.4 * width) + "\" fill=\"" +
-             track.colour + "\"/>\n";
+      svg += "<circle cx=\"" + brief(paper.x(p.x_m)) + "\" cy=\"" + brief(paper.y(p.y_m)) + "\" r=\"" + brief(1.4 * width) +
+             "\" fill=\"" + track.colour + "\"/>\n";
     }
   }
   return svg;
@@ -83,12 +112,19 @@ std::string plan_picture(const PlanPicture& picture) {
   const double height_m = paper.frame.high.y_m - paper.frame.low.y_m;
   paper.scale = std::min(900.0 / width_m, 800.0 / height_m);
   const double width = std::max(480.0, width_m * paper.scale);
-  const double height = paper.top + height_m * paper.scale + 30.0;
-  std::string svg = svg_head(width, height);
+  Legend legend(width);
+  for (const PlanArea& area : picture.areas) legend.add(area.name, area.colour, std::min(1.0, 2.0 * area.opacity));
+  for (const PlanTrack& track : picture.tracks) legend.add(track.name, track.colour, 1.0);
+  const double bottom = paper.top + height_m * paper.scale;
+  std::string svg = svg_head(width, bottom + legend.height());
+  svg += "<clipPath id=\"plan\"><rect x=\"0\" y=\"" + brief(paper.top) + "\" width=\"" + brief(width) + "\" height=\"" +
+         brief(height_m * paper.scale) + "\"/></clipPath>\n<g clip-path=\"url(#plan)\">\n";
   if (picture.floor && !picture.floor->outline.rings.empty()) {
-    svg += "<path d=\"" + paper.path(picture.floor->outline) + "\" fill=\"#e9e6df\" fill-rule=\"evenodd\" stroke=\"#555\" stroke-width=\"1.2\"/>\n";
+    svg += "<path d=\"" + paper.path(picture.floor->outline) +
+           "\" fill=\"#e9e6df\" fill-rule=\"evenodd\" stroke=\"#555\" stroke-width=\"1.2\"/>\n";
     for (const Polygon& walkable : picture.floor->walkable) {
-      svg += "<path d=\"" + paper.path(walkable) + "\" fill=\"#fff\" fill-rule=\"evenodd\" stroke=\"#b8b2a6\" stroke-width=\"0.5\"/>\n";
+      svg += "<path d=\"" + paper.path(walkable) +
+             "\" fill=\"#fff\" fill-rule=\"evenodd\" stroke=\"#b8b2a6\" stroke-width=\"0.5\"/>\n";
     }
   }
   for (const PlanArea& area : picture.areas) {
@@ -100,17 +136,8 @@ std::string plan_picture(const PlanPicture& picture) {
     svg += "<path d=\"" + d + "\" fill=\"" + area.colour + "\" fill-opacity=\"" + brief(area.opacity) + "\"/>\n";
   }
   for (const PlanTrack& track : picture.tracks) svg += track_mark(paper, track);
-  svg += svg_words(10, 24, picture.title, "start", 15, "font-weight=\"bold\"");
-  double legend_x = 12.0;
-  const auto entry = [&](const std::string& name, const std::string& colour, double opacity) {
-    if (name.empty()) return;
-    svg += svg_line(legend_x, height - 14, legend_x + 22, height - 14, colour, 5, "stroke-opacity=\"" + brief(opacity) + "\"");
-    svg += svg_words(legend_x + 28, height - 10, name, "start", 12);
-    legend_x += 46.0 + 7.4 * static_cast<double>(name.size());
-  };
-  for (const PlanArea& area : picture.areas) entry(area.name, area.colour, std::min(1.0, 2.0 * area.opacity));
-  for (const PlanTrack& track : picture.tracks) entry(track.name, track.colour, 1.0);
-  return svg + scale_bar(paper, width, height) + "</svg>\n";
+  svg += "</g>\n" + svg_words(10, 24, picture.title, "start", 15, "font-weight=\"bold\"");
+  return svg + scale_bar(paper, width) + legend.at(bottom) + "</svg>\n";
 }
 
 }  // namespace wayfuse

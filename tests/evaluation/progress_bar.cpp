@@ -37,8 +37,8 @@ void ProgressBar::draw(bool last) {
   const int full = static_cast<int>(share * kWidth);
   std::string bar(static_cast<std::size_t>(full), '#');
   bar.resize(kWidth, '.');
-  std::fprintf(stderr, "\r%-24s [%s] %zu/%zu  %.0f s, %.0f s left \x1b[K%s", title_.c_str(), bar.c_str(), done_, total_, spent_s, left_s,
-               last ? "\n" : "");
+  std::fprintf(stderr, "\r%-24s [%s] %zu/%zu  %.0f s, %.0f s left \x1b[K%s", title_.c_str(), bar.c_str(), done_, total_,
+               spent_s, left_s, last ? "\n" : "");
 }
 
 }  // namespace wayfuse

@@ -1,13 +1,15 @@
-#include "server/quality/walk_quality.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "server/quality/walk_quality.hpp"
+
 namespace wayfuse {
 namespace {
 
-PhoneTime at_s(int second) { return PhoneTime(std::chrono::seconds(second)); }
+PhoneTime at_s(int second) {
+  return PhoneTime(std::chrono::seconds(second));
+}
 
 // Says where the newest scan was sent from: x = its first level. Radius 2 m.
 class EchoTracker final : public Tracker {
@@ -32,14 +34,18 @@ class EchoTracker final : public Tracker {
 
 class EchoFactory final : public TrackerFactory {
  public:
-  std::unique_ptr<Tracker> make_tracker(Random, const std::optional<KnownStart>&) const override { return std::make_unique<EchoTracker>(); }
+  std::unique_ptr<Tracker> make_tracker(Random, const std::optional<KnownStart>&) const override {
+    return std::make_unique<EchoTracker>();
+  }
   const PipelineSpec& spec() const override { return spec_; }
 
  private:
   PipelineSpec spec_;
 };
 
-RssScan scan_saying(int second, double x_m) { return {at_s(second), {{Bssid{1}, -x_m, Duration{0}, 0, std::nullopt, std::nullopt}}}; }
+RssScan scan_saying(int second, double x_m) {
+  return {at_s(second), {{Bssid{1}, -x_m, Duration{0}, 0, std::nullopt, std::nullopt}}};
+}
 
 // A walk along x at 1 m/s over ten seconds, in two parts that arrive in the wrong order within themselves.
 std::vector<SurveyWalk> two_parts() {

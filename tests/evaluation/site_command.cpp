@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <memory>
 #include <map>
+#include <memory>
 
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
@@ -47,12 +47,12 @@ int show_site(const SiteOptions& options) {
       tally.off_plan += !floor->walkable.empty() && !contains(floor->walkable.front(), point.point);
     }
   }
-  std::printf("%s\n%-8s %7s  %7s %12s %6s  %8s %7s %11s %10s\n", site->name.c_str(), "floor", "ordinal", "survey", "development", "test",
-              "minutes", "scans", "way points", "off plan");
+  std::printf("%s\n%-8s %7s  %7s %12s %6s  %8s %7s %11s %10s\n", site->name.c_str(), "floor", "ordinal", "survey",
+              "development", "test", "minutes", "scans", "way points", "off plan");
   for (const Floor& floor : site->floors) {
     const FloorTally& tally = tallies[floor.ordinal];
-    std::printf("%-8s %7d  %7d %12d %6d  %8.1f %7zu %11zu %10zu\n", floor.label.c_str(), floor.ordinal.value, tally.walks[0], tally.walks[1],
-                tally.walks[2], tally.seconds / 60.0, tally.scans, tally.way_points, tally.off_plan);
+    std::printf("%-8s %7d  %7d %12d %6d  %8.1f %7zu %11zu %10zu\n", floor.label.c_str(), floor.ordinal.value, tally.walks[0],
+                tally.walks[1], tally.walks[2], tally.seconds / 60.0, tally.scans, tally.way_points, tally.off_plan);
   }
   for (const std::string& complaint : complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
   return 0;

@@ -19,7 +19,8 @@ constexpr double kBottom = 440.0;
 // The plane of a chart: data to pixels, with grid, ticks and labels.
 class Plane {
  public:
-  Plane(double x_low, double x_high, double y_low, double y_high) : x_low_(x_low), x_high_(x_high), y_low_(y_low), y_high_(y_high) {}
+  Plane(double x_low, double x_high, double y_low, double y_high)
+      : x_low_(x_low), x_high_(x_high), y_low_(y_low), y_high_(y_high) {}
   double x(double value) const { return kLeft + (value - x_low_) / (x_high_ - x_low_) * (kRight - kLeft); }
   double y(double value) const { return kBottom - (value - y_low_) / (y_high_ - y_low_) * (kBottom - kTop); }
 
@@ -43,9 +44,9 @@ class Plane {
   double x_low_, x_high_, y_low_, y_high_;
 };
 
-std::string polyline(const std::string& points, std::string_view colour, bool dashed) {
-  return "<polyline fill=\"none\" stroke=\"" + std::string(colour) + "\" stroke-width=\"2\" stroke-linejoin=\"round\"" +
-         (dashed ? " stroke-dasharray=\"6 4\"" : "") + " points=\"" + points + "\"/>\n";
+std::string polyline(const std::string& points, std::string_view colour, bool dashed, double width = 2.0) {
+  return "<polyline fill=\"none\" stroke=\"" + std::string(colour) + "\" stroke-width=\"" + brief(width) +
+         "\" stroke-linejoin=\"round\"" + (dashed ? " stroke-dasharray=\"6 4\"" : "") + " points=\"" + points + "\"/>\n";
 }
 
 // A box of names in the lower right corner, or upper right.
@@ -56,8 +57,8 @@ std::string legend(const std::vector<std::pair<std::string, bool>>& names, bool 
   const double height = 12.0 + 19.0 * static_cast<double>(names.size());
   const double left = kRight - width - 8;
   const double top = at_the_top ? kTop + 8 : kBottom - height - 8;
-  std::string svg = "<rect x=\"" + brief(left) + "\" y=\"" + brief(top) + "\" width=\"" + brief(width) + "\" height=\"" + brief(height) +
-                    "\" fill=\"#fff\" fill-opacity=\"0.9\" stroke=\"#bbb\"/>\n";
+  std::string svg = "<rect x=\"" + brief(left) + "\" y=\"" + brief(top) + "\" width=\"" + brief(width) + "\" height=\"" +
+                    brief(height) + "\" fill=\"#fff\" fill-opacity=\"0.9\" stroke=\"#bbb\"/>\n";
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double y = top + 17.0 + 19.0 * static_cast<double>(i);
     svg += svg_line(left + 8, y - 4, left + 34, y - 4, series_colour(i), 3, names[i].second ? "stroke-dasharray=\"6 4\"" : "");
@@ -88,7 +89,7 @@ std::string distribution_chart(const ChartText& text, const std::vector<ValueSer
       const auto below = std::upper_bound(values.begin(), values.end(), x) - values.begin();
       points += brief(plane.x(x)) + "," + brief(plane.y(static_cast<double>(below) / static_cast<double>(values.size()))) + " ";
     }
-    svg += polyline(points, series_colour(s), false);
+    svg += polyline(points, series_colour(s), false, s + 1 == series.size() ? 3.5 : 2.0);  // the last is what it is about
     names.emplace_back(series[s].name, false);
   }
   return svg + legend(names, false) + "</svg>\n";
@@ -113,7 +114,8 @@ std::string line_chart(const ChartText& text, const std::vector<LineSeries>& ser
     std::string points;
     for (const auto& p : series[s].points) {
       points += brief(plane.x(p.x)) + "," + brief(plane.y(p.y)) + " ";
-      if (p.high > p.low) svg += svg_line(plane.x(p.x), plane.y(p.low), plane.x(p.x), plane.y(p.high), series_colour(s), 1, "opacity=\"0.6\"");
+      if (p.high > p.low)
+        svg += svg_line(plane.x(p.x), plane.y(p.low), plane.x(p.x), plane.y(p.high), series_colour(s), 1, "opacity=\"0.6\"");
     }
     svg += polyline(points, series_colour(s), series[s].dashed);
     names.emplace_back(series[s].name, series[s].dashed);

@@ -30,7 +30,7 @@ struct LineSeries {
   struct Point {
     double x = 0.0;
     double y = 0.0;
-    double low = 0.0;    ///< low = high = y: no bar
+    double low = 0.0;  ///< low = high = y: no bar
     double high = 0.0;
   };
   std::string name;
@@ -41,15 +41,15 @@ std::string line_chart(const ChartText& text, const std::vector<LineSeries>& ser
 
 /// A floor plan to draw on, metres, north up.
 struct PlanTrack {
-  std::string name;                ///< in the legend; empty = not there
+  std::string name;  ///< in the legend; empty = not there
   std::string colour;
   std::vector<BuildingPoint> points;
   double width_m = 0.5;
   double opacity = 1.0;
-  bool dots = false;               ///< a dot at every point as well
+  bool dots = false;  ///< a dot at every point as well
 };
 struct PlanArea {
-  std::vector<BuildingPoint> cells; ///< lower left corners
+  std::vector<BuildingPoint> cells;  ///< lower left corners
   double size_m = 1.0;
   std::string colour;
   std::string name;
@@ -57,8 +57,8 @@ struct PlanArea {
 };
 struct PlanPicture {
   std::string title;
-  const Floor* floor = nullptr;    ///< may have no outline: then the tracks make the frame
-  std::vector<PlanArea> areas;     ///< below the tracks
+  const Floor* floor = nullptr;  ///< may have no outline: then the tracks make the frame
+  std::vector<PlanArea> areas;   ///< below the tracks
   std::vector<PlanTrack> tracks;
   bool zoom_to_tracks = false;
 };

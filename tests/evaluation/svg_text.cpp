@@ -9,11 +9,20 @@ std::string xml(std::string_view text) {
   std::string safe;
   for (const char c : text) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      default: safe += c;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
     }
   }
   return safe;
@@ -39,9 +48,10 @@ double round_step(double range, int most) {
 }
 
 std::string svg_head(double width, double height) {
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + brief(width) + " " + brief(height) + "\" width=\"" + brief(width) +
-         "\" height=\"" + brief(height) +
-         "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + brief(width) + " " + brief(height) + "\" width=\"" +
+         brief(width) + "\" height=\"" + brief(height) +
+         "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<rect width=\"100%\" height=\"100%\" "
+         "fill=\"#fff\"/>\n";
 }
 
 std::string svg_words(double x, double y, std::string_view text, std::string_view anchor, int size, std::string_view more) {

@@ -15,6 +15,7 @@ double round_step(double range, int most);
 /// The head of a document in user units of pixels, white ground, sans serif.
 std::string svg_head(double width, double height);
 std::string svg_words(double x, double y, std::string_view text, std::string_view anchor, int size, std::string_view more = "");
-std::string svg_line(double x1, double y1, double x2, double y2, std::string_view colour, double width, std::string_view more = "");
+std::string svg_line(double x1, double y1, double x2, double y2, std::string_view colour, double width,
+                     std::string_view more = "");
 
 }  // namespace wayfuse

@@ -156,7 +156,9 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
   CLI::App* command = app.add_subcommand("walks", "Accuracy on recorded walks, surveyed and tracked through the whole system");
   command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
   command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
-  command->add_option("--pipelines", options->pipelines, "Presets to compare; the last one is compared with each other walk by walk")
+  command
+      ->add_option("--pipelines", options->pipelines,
+                   "Presets to compare; the last one is compared with each other walk by walk")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
@@ -164,13 +166,15 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->check(CLI::IsMember({"test", "dev"}))
       ->capture_default_str();
   command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
-  command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")->capture_default_str();
+  command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "Of the trackers and the bootstrap")->capture_default_str();
   command->add_option("--threads", options->threads, "Walks replayed at once; does not change any figure")
       ->check(CLI::Range(1u, 256u))
       ->capture_default_str();
   command->add_flag("--direct", options->direct, "Quick look: straight into the pipelines, without client, codec and session");
-  command->add_flag("--socket", options->socket, "Through real sockets, against a wayfused started for it")->excludes("--direct");
+  command->add_flag("--socket", options->socket, "Through real sockets, against a wayfused started for it")
+      ->excludes("--direct");
   command->add_option("--server", options->server, "The wayfused program for --socket")->capture_default_str();
   command->add_option("--json", options->json, "Write the figures to this file");
   command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");

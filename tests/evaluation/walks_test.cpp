@@ -16,7 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-PhoneTime at_ms(int milliseconds) { return PhoneTime(std::chrono::milliseconds(milliseconds)); }
+PhoneTime at_ms(int milliseconds) {
+  return PhoneTime(std::chrono::milliseconds(milliseconds));
+}
 
 // A walk along the x axis at 1 m/s from `x_m`, scans every second.
 RecordedWalk straight_walk(const std::string& id, double x_m, int begin_ms, int seconds_long) {
@@ -49,7 +51,8 @@ TEST(SurveyCover, ReachesThreeMetresFromThePath) {
 }
 
 TEST(WalkScore, CountsErrorsFloorsAndCircles) {
-  // Truth (0,0) (1,0) (2,0) at 0, 1, 2 s; answers: none, 3 m off inside its circle, 5 m off outside both circles on another floor.
+  // Truth (0,0) (1,0) (2,0) at 0, 1, 2 s; answers: none, 3 m off inside its circle, 5 m off outside both circles on another
+  // floor.
   const std::vector<ScoredWalk> walks = {{straight_walk("w", 0, 0, 2), {"w"}}};
   const SurveyCover cover(std::vector<RecordedWalk>{});
   const std::vector<std::vector<Instant>> instants = {instants_of(walks[0].walk, cover)};
@@ -100,7 +103,8 @@ std::string id_of(Split split, int nth) {
 }
 
 TEST_F(SiteOnDisk, WhatIsScoredNeverSurveys) {
-  const std::string test = id_of(Split::kTest, 0), development = id_of(Split::kDevelopment, 0), survey = id_of(Split::kSurvey, 0);
+  const std::string test = id_of(Split::kTest, 0), development = id_of(Split::kDevelopment, 0),
+                    survey = id_of(Split::kSurvey, 0);
   walk(test, 0, 0, 10);
   walk(development, 100000, 0, 10);
   walk(survey, 200000, 0, 10);
@@ -133,8 +137,8 @@ TEST_F(SiteOnDisk, WhatIsScoredNeverSurveys) {
 TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   const std::string first = id_of(Split::kTest, 0), second = id_of(Split::kSurvey, 0), apart = id_of(Split::kTest, 1);
   walk(first, 0, 0, 10);
-  walk(second, 15000, 10.5, 20);   // 5 s later, half a metre on
-  walk(apart, 30000, 40, 50);      // 5 s later, elsewhere
+  walk(second, 15000, 10.5, 20);  // 5 s later, half a metre on
+  walk(apart, 30000, 40, 50);     // 5 s later, elsewhere
   const Selection selection = select_walks(site(), {.development = false, .chain = true, .only = {}}).value();
   ASSERT_EQ(selection.scored.size(), 1u);
   EXPECT_EQ(selection.scored[0].parts, (std::vector{first, second}));
@@ -143,7 +147,8 @@ TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
 }
 
 TEST(Pictures, CarryTitleAxesAndLegend) {
-  const std::string svg = distribution_chart({"Error <all>", "metres", "share"}, {{"p1", {1, 2, 3}}, {"default", {0.5, 1}}}, 10.0);
+  const std::string svg =
+      distribution_chart({"Error <all>", "metres", "share"}, {{"p1", {1, 2, 3}}, {"default", {0.5, 1}}}, 10.0);
   for (const char* part : {"Error &lt;all&gt;", "metres", "share", "p1", "default", "100 %", "</svg>"}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   }

@@ -40,7 +40,8 @@ TEST(Similarity, DistancesFollowTheFormulas) {
 }
 
 TEST(Similarity, AMissingTransmitterHardlyCounts) {
-  // Two points hear 1 and 2 alike; the second also hears the weak 3..9 that this scan happened to miss. Euclid would flee to the third.
+  // Two points hear 1 and 2 alike; the second also hears the weak 3..9 that this scan happened to miss. Euclid would flee to
+  // the third.
   std::vector<std::pair<std::uint64_t, double>> many = {{1, -45}, {2, -55}};
   for (std::uint64_t weak = 3; weak < 10; ++weak) many.emplace_back(weak, -92);
   const std::vector<ReferencePoint> survey = {point(0, 0, many), point(30, 0, {{1, -70}, {2, -80}})};
@@ -64,8 +65,8 @@ TEST(Similarity, ALouderPhoneStaysWhereItIs) {
 }
 
 TEST(Similarity, TheFloorWithTheNearestFingerprintsWins) {
-  const std::vector<ReferencePoint> survey = {point(0, 0, {{1, -50}}), point(2, 0, {{1, -52}}), point(0, 1, {{1, -80}, {2, -50}}),
-                                              point(2, 1, {{1, -80}, {2, -52}})};
+  const std::vector<ReferencePoint> survey = {point(0, 0, {{1, -50}}), point(2, 0, {{1, -52}}),
+                                              point(0, 1, {{1, -80}, {2, -50}}), point(2, 1, {{1, -80}, {2, -52}})};
   const Similarity model(RadioMap::build(survey), {});
   const auto locator = model.make();
   const auto fix = locator->locate(heard({{1, -78}, {2, -51}}));

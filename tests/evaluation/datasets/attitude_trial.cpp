@@ -13,10 +13,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_nan(std::string_view field) { return field == "nan" || field == "NaN" || field == "NAN"; }
+bool is_nan(std::string_view field) {
+  return field == "nan" || field == "NaN" || field == "NAN";
+}
 
 // Seconds as a time that is never rounded twice.
-PhoneTime at_seconds(double value_s) { return PhoneTime(from_seconds(value_s)); }
+PhoneTime at_seconds(double value_s) {
+  return PhoneTime(from_seconds(value_s));
+}
 
 // Four columns as a unit quaternion; `missing` where they are NaN. False = neither.
 bool quaternion(const std::vector<std::string_view>& fields, std::size_t first, std::optional<Quaternion>& out) {
@@ -119,7 +123,7 @@ Result<AttitudeTrial> read_tyrex_trial(const std::string& folder, TyrexField fie
   trial.name = fs::path(root / "").parent_path().filename().string();
   const bool calibrated = field == TyrexField::kCalibrated;
   std::map<PhoneTime, MargSample> samples;
-  const auto into = [&](std::optional<Vector3> MargSample::* which) {
+  const auto into = [&](std::optional<Vector3> MargSample::*which) {
     return [&samples, which](double time_s, const double* v) {
       MargSample& sample = samples[at_seconds(time_s)];
       sample.*which = Vector3{v[0], v[1], v[2]};
@@ -129,7 +133,8 @@ Result<AttitudeTrial> read_tyrex_trial(const std::string& folder, TyrexField fie
   if (!offset_s) return offset_s.fault();
   const char* gyroscope = calibrated ? "gyroscope-calibrated.txt" : "gyroscope.txt";
   const char* magnetometer = calibrated ? "magnetometer-calibrated.txt" : "magnetometer.txt";
-  if (const auto done = read_series(root / "accelerometer.txt", 3, into(&MargSample::acceleration_mps2)); !done) return done.fault();
+  if (const auto done = read_series(root / "accelerometer.txt", 3, into(&MargSample::acceleration_mps2)); !done)
+    return done.fault();
   if (const auto done = read_series(root / gyroscope, 3, into(&MargSample::turn_rate_radps)); !done) return done.fault();
   if (const auto done = read_series(root / magnetometer, 3, into(&MargSample::field_ut)); !done) return done.fault();
   if (const auto done = read_truth(root / "truth.csv", *offset_s, trial); !done) return done.fault();

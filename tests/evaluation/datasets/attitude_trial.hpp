@@ -13,17 +13,17 @@ namespace wayfuse {
 
 /// A true attitude from optical tracking.
 struct TrueAttitude {
-  PhoneTime time;                        ///< on the phone's clock
-  std::optional<Quaternion> body_to_enu; ///< absent = markers hidden
-  bool counts = true;                    ///< inside the phase the data set says to score
+  PhoneTime time;                         ///< on the phone's clock
+  std::optional<Quaternion> body_to_enu;  ///< absent = markers hidden
+  bool counts = true;                     ///< inside the phase the data set says to score
 };
 
 /// One recording with optical truth.
 struct AttitudeTrial {
   std::string name;
-  std::vector<MargSample> samples;       ///< ascending in time
-  std::vector<TrueAttitude> truth;       ///< ascending in time
-  std::vector<RecordedAttitude> phone;   ///< the phone's own attitude where it was recorded
+  std::vector<MargSample> samples;      ///< ascending in time
+  std::vector<TrueAttitude> truth;      ///< ascending in time
+  std::vector<RecordedAttitude> phone;  ///< the phone's own attitude where it was recorded
 };
 
 /// BROAD [Laidig et al. 2021]: one CSV a trial, sampling rate in the first line, units in the header. Sample and truth share

@@ -38,8 +38,10 @@ Columns columns_of(const std::vector<std::string_view>& header) {
   for (std::size_t i = 0; i < header.size(); ++i) {
     std::string name(header[i]);
     std::erase(name, '"');
-    if (name.starts_with("WAP") && i == columns.access_points) ++columns.access_points;
-    else columns.named.emplace(name, i);
+    if (name.starts_with("WAP") && i == columns.access_points)
+      ++columns.access_points;
+    else
+      columns.named.emplace(name, i);
   }
   return columns;
 }
@@ -64,7 +66,8 @@ Result<FingerprintTable> read_uji(const std::string& path) {
   while (const auto line = file->next_line()) {
     if (line->empty()) continue;
     split(*line, ',', fields);
-    if (fields.size() != width) return file->fault(std::to_string(width) + " columns expected, " + std::to_string(fields.size()) + " found");
+    if (fields.size() != width)
+      return file->fault(std::to_string(width) + " columns expected, " + std::to_string(fields.size()) + " found");
     TabledScan scan;
     const std::string cause = take_levels(fields, columns.access_points, scan);
     if (!cause.empty()) return file->fault(cause);
@@ -101,7 +104,8 @@ Result<FingerprintTable> read_levels_and_places(const std::string& levels_path, 
     split(*line, ',', fields);
     if (table.scans.empty()) table.access_points = fields.size();
     if (fields.size() != table.access_points || fields.size() > 65535) {
-      return levels->fault(std::to_string(table.access_points) + " columns expected, " + std::to_string(fields.size()) + " found");
+      return levels->fault(std::to_string(table.access_points) + " columns expected, " + std::to_string(fields.size()) +
+                           " found");
     }
     TabledScan scan;
     const std::string cause = take_levels(fields, fields.size(), scan);
@@ -118,7 +122,8 @@ Result<FingerprintTable> read_levels_and_places(const std::string& levels_path, 
   }
   std::vector<double> storeys = heights;
   std::sort(storeys.begin(), storeys.end());
-  storeys.erase(std::unique(storeys.begin(), storeys.end(), [](double a, double b) { return std::abs(a - b) < 1.0; }), storeys.end());
+  storeys.erase(std::unique(storeys.begin(), storeys.end(), [](double a, double b) { return std::abs(a - b) < 1.0; }),
+                storeys.end());
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const auto nearest = std::min_element(storeys.begin(), storeys.end(), [&](double a, double b) {
       return std::abs(a - heights[i]) < std::abs(b - heights[i]);

@@ -12,14 +12,14 @@ namespace wayfuse {
 /// One scan of a fingerprint collection, with where it was taken. Only what was heard stands in it.
 struct TabledScan {
   struct Heard {
-    std::uint16_t access_point = 0;      ///< column
+    std::uint16_t access_point = 0;  ///< column
     double rss_dbm = 0.0;
   };
-  std::vector<Heard> heard;              ///< ascending columns
-  BuildingPoint point;                   ///< in the units of the file
+  std::vector<Heard> heard;  ///< ascending columns
+  BuildingPoint point;       ///< in the units of the file
   FloorOrdinal floor;
   int building = 0;
-  int user = 0;                          ///< 0 = not told
+  int user = 0;  ///< 0 = not told
   int phone = 0;
   std::int64_t unix_s = 0;
 };

@@ -116,7 +116,9 @@ GeoPoint to_geo(MercatorPoint point) {
   return {(2 * std::atan(std::exp(point.y / kEarth_m)) - std::numbers::pi / 2) / kDegree, point.x / kEarth_m / kDegree};
 }
 
-GeoPoint FloorMap::corner_geo() const { return to_geo(corner.value()); }
+GeoPoint FloorMap::corner_geo() const {
+  return to_geo(corner.value());
+}
 
 BuildingPoint FloorMap::corner_seen_from(const FloorMap& other) const {
   return {(corner->x - other.corner->x) * other.metres_per_unit, (corner->y - other.corner->y) * other.metres_per_unit};
@@ -132,7 +134,8 @@ Result<FloorMap> read_floor_map(const std::string& folder, std::vector<std::stri
   const auto content = read_json(file);
   if (!content) return content.fault();
   const json features = content->is_object() ? content->value("features", json()) : json();
-  if (!features.is_array() || features.empty()) return Fault{FaultCode::kMalformed, file.string(), "features: at least one expected"};
+  if (!features.is_array() || features.empty())
+    return Fault{FaultCode::kMalformed, file.string(), "features: at least one expected"};
 
   std::vector<MercatorRing> outline;
   if (!rings_of(features[0].value("geometry", json()), outline) || outline.empty()) {

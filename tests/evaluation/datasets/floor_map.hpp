@@ -22,12 +22,12 @@ GeoPoint to_geo(MercatorPoint point);
 ///
 /// The maps are drawn on the Web-Mercator plane; `floor_info.json` tells the true width of the outline, and so the scale.
 struct FloorMap {
-  Polygon outline;                       ///< empty = no map
-  Polygon walkable;                      ///< the outline with shops and rooms cut out
-  std::optional<MercatorPoint> corner;   ///< where the origin lies
-  double metres_per_unit = 1.0;          ///< of the Mercator plane
+  Polygon outline;                      ///< empty = no map
+  Polygon walkable;                     ///< the outline with shops and rooms cut out
+  std::optional<MercatorPoint> corner;  ///< where the origin lies
+  double metres_per_unit = 1.0;         ///< of the Mercator plane
 
-  GeoPoint corner_geo() const;           ///< precondition: there is a corner
+  GeoPoint corner_geo() const;  ///< precondition: there is a corner
   BuildingPoint corner_seen_from(const FloorMap& other) const;
 };
 

@@ -15,7 +15,7 @@ struct WalkFile {
   std::string id;
   std::string path;
   FloorOrdinal floor;
-  BuildingPoint floor_origin;            ///< of the floor's own frame, in the building's frame
+  BuildingPoint floor_origin;  ///< of the floor's own frame, in the building's frame
 };
 
 /// A building in the layout of "Indoor Location Competition 2.0": `<floor>/path_data_files/*.txt`, and beside them, where
@@ -26,9 +26,9 @@ struct WalkFile {
 struct RecordedSite {
   std::string name;
   std::optional<Georeference> georeference;  ///< absent without a map
-  std::vector<Floor> floors;             ///< ascending; walkable = the outline without shops and rooms
-  std::vector<WalkFile> walks;           ///< ascending by id
-  std::vector<std::string> complaints;   ///< what is missing, by file
+  std::vector<Floor> floors;                 ///< ascending; walkable = the outline without shops and rooms
+  std::vector<WalkFile> walks;               ///< ascending by id
+  std::vector<std::string> complaints;       ///< what is missing, by file
 
   const Floor* floor(FloorOrdinal ordinal) const;
 };

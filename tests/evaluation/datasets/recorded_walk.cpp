@@ -13,7 +13,9 @@ namespace {
 
 constexpr std::int64_t kReadingAgeMost_ms = 600'000;  // the contract's bound for ScanReading::age
 
-PhoneTime phone_time(std::int64_t milliseconds) { return PhoneTime(std::chrono::milliseconds(milliseconds)); }
+PhoneTime phone_time(std::int64_t milliseconds) {
+  return PhoneTime(std::chrono::milliseconds(milliseconds));
+}
 
 // Collects the lines of one file.
 class WalkReader {
@@ -28,7 +30,8 @@ class WalkReader {
  private:
   std::string wifi(std::int64_t time_ms, const std::vector<std::string_view>& fields);
   std::string way_point(std::int64_t time_ms, const std::vector<std::string_view>& fields);
-  std::string sensor(std::int64_t time_ms, const std::vector<std::string_view>& fields, std::optional<Vector3> MargSample::* which);
+  std::string sensor(std::int64_t time_ms, const std::vector<std::string_view>& fields,
+                     std::optional<Vector3> MargSample::*which);
   std::string attitude(std::int64_t time_ms, const std::vector<std::string_view>& fields);
 
   RecordedWalk& walk_;
@@ -62,7 +65,7 @@ std::string WalkReader::line(const std::vector<std::string_view>& fields) {
 }
 
 std::string WalkReader::sensor(std::int64_t time_ms, const std::vector<std::string_view>& fields,
-                               std::optional<Vector3> MargSample::* which) {
+                               std::optional<Vector3> MargSample::*which) {
   double value[3];
   if (!numbers(fields, 2, value)) return "three sensor axes expected";
   MargSample& sample = motion_[time_ms];
@@ -170,10 +173,12 @@ Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_orig
   }
   reader.finish();
   if (walk.complaints.size() * 20 > lines) {
-    return Fault{FaultCode::kMalformed, path, std::to_string(walk.complaints.size()) + " of " + std::to_string(lines) +
-                                                  " lines do not parse, the first: " + walk.complaints.front()};
+    return Fault{FaultCode::kMalformed, path,
+                 std::to_string(walk.complaints.size()) + " of " + std::to_string(lines) +
+                     " lines do not parse, the first: " + walk.complaints.front()};
   }
-  if (walk.way_points.empty()) return Fault{FaultCode::kMalformed, path, "holds no TYPE_WAYPOINT line: nothing to survey or score"};
+  if (walk.way_points.empty())
+    return Fault{FaultCode::kMalformed, path, "holds no TYPE_WAYPOINT line: nothing to survey or score"};
   return walk;
 }
 

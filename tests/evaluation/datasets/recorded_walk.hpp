@@ -32,15 +32,15 @@ struct RecordedAttitude {
 /// Phone time is the file's milliseconds since 1970. All lists ascend in time. A scan is a list as it arrived; `age` tells
 /// when each reading was last seen by the radio. Longer lists than the protocol takes keep their youngest 512 readings.
 struct RecordedWalk {
-  std::string id;                        ///< file name without `.txt`
+  std::string id;  ///< file name without `.txt`
   std::string floor_label;
   FloorOrdinal floor;
   std::string device_model;
-  std::vector<MargSample> motion;        ///< sensors that spoke in the same millisecond share a sample
+  std::vector<MargSample> motion;  ///< sensors that spoke in the same millisecond share a sample
   std::vector<RecordedAttitude> attitudes;
   std::vector<RssScan> scans;
-  std::vector<TruePoint> way_points;      ///< building frame
-  std::vector<std::string> complaints;   ///< `file:line: cause` of every line that was left out
+  std::vector<TruePoint> way_points;    ///< building frame
+  std::vector<std::string> complaints;  ///< `file:line: cause` of every line that was left out
 
   /// On the straight line between the way points around `time`; absent before the first and after the last.
   std::optional<BuildingPoint> truth_at(PhoneTime time) const;

@@ -17,7 +17,8 @@ Result<StepTrial> read_oxford_trial(const std::string& path) {
     split(*line, ',', fields);
     const auto time_ns = whole_number(fields[0]);
     double axis[3];
-    if (!time_ns || fields.size() < 7 || !numbers(fields, 1, axis)) return file->fault("ns,ax,ay,az and three step counts expected");
+    if (!time_ns || fields.size() < 7 || !numbers(fields, 1, axis))
+      return file->fault("ns,ax,ay,az and three step counts expected");
     const auto steps = whole_number(fields[5]);
     const auto hardware = whole_number(fields[6]);
     if (!steps || !hardware) return file->fault("a step count is not a whole number");

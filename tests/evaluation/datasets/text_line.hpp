@@ -22,7 +22,7 @@ class TextFile {
 
   /// The next line without its end; absent after the last one.
   std::optional<std::string_view> next_line();
-  int line_number() const { return line_number_; }    ///< of the line handed out last, from 1
+  int line_number() const { return line_number_; }  ///< of the line handed out last, from 1
   const std::string& path() const { return path_; }
   /// A kMalformed fault at `file:line`.
   Fault fault(const std::string& cause) const;

@@ -16,9 +16,12 @@ void play(const RecordedWalk& walk, std::span<const Instant> instants, const Pho
     for (;;) {
       const bool sample_due = sample < walk.motion.size() && walk.motion[sample].time <= time;
       const bool scan_due = scan < walk.scans.size() && walk.scans[scan].time <= time;
-      if (sample_due && (!scan_due || walk.motion[sample].time <= walk.scans[scan].time)) events.sample(walk.motion[sample++]);
-      else if (scan_due) events.scan(walk.scans[scan++]);
-      else return;
+      if (sample_due && (!scan_due || walk.motion[sample].time <= walk.scans[scan].time))
+        events.sample(walk.motion[sample++]);
+      else if (scan_due)
+        events.scan(walk.scans[scan++]);
+      else
+        return;
     }
   };
   for (std::size_t i = 0; i < instants.size(); ++i) {

@@ -14,8 +14,8 @@ namespace wayfuse {
 
 /// What came back on one walk.
 struct WalkReply {
-  Answers at;                            ///< one entry an instant: the newest position that was there by then
-  std::optional<double> first_fix_s;     ///< after the first thing the phone sensed
+  Answers at;                         ///< one entry an instant: the newest position that was there by then
+  std::optional<double> first_fix_s;  ///< after the first thing the phone sensed
 };
 
 /// The way a walk's data take from the phone's sensors to positions. Thread: any; run() may be called at once from several.

@@ -22,14 +22,16 @@ bool continues(const RecordedWalk& first, const RecordedWalk& second) {
 
 Chains chains_of(const std::vector<RecordedWalk>& walks, const std::vector<std::size_t>& usable) {
   std::vector<std::size_t> by_start = usable;
-  std::sort(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) {
-    return walks[a].way_points.front().time < walks[b].way_points.front().time;
-  });
+  std::sort(by_start.begin(), by_start.end(),
+            [&](std::size_t a, std::size_t b) { return walks[a].way_points.front().time < walks[b].way_points.front().time; });
   Chains chains;
   for (const std::size_t i : by_start) {
-    const auto end = std::find_if(chains.begin(), chains.end(), [&](const auto& chain) { return continues(walks[chain.back()], walks[i]); });
-    if (end == chains.end()) chains.push_back({i});
-    else end->push_back(i);
+    const auto end =
+        std::find_if(chains.begin(), chains.end(), [&](const auto& chain) { return continues(walks[chain.back()], walks[i]); });
+    if (end == chains.end())
+      chains.push_back({i});
+    else
+      end->push_back(i);
   }
   std::erase_if(chains, [](const auto& chain) { return chain.size() < 2; });
   return chains;
@@ -64,8 +66,10 @@ Chains scored_groups(const std::vector<RecordedWalk>& walks, const SelectionOpti
     if (!options.development || split_of(walks[i].id) != Split::kTest || only.count(walks[i].id) > 0) usable.push_back(i);
   }
   Chains groups;
-  if (options.chain) groups = chains_of(walks, usable);
-  else for (const std::size_t i : usable) groups.push_back({i});
+  if (options.chain)
+    groups = chains_of(walks, usable);
+  else
+    for (const std::size_t i : usable) groups.push_back({i});
   std::erase_if(groups, [&](const auto& group) { return std::none_of(group.begin(), group.end(), wanted); });
   return groups;
 }
@@ -103,8 +107,10 @@ Result<Selection> select_walks(const RecordedSite& site, const SelectionOptions&
     const Split split = split_of(walks[i].id);
     const bool surveys = split == Split::kSurvey || (split == Split::kDevelopment && !options.development);
     if (!surveys || taken.count(i) > 0) continue;
-    if (walks[i].duration_s() > 0.0) selection.survey.push_back(std::move(walks[i]));
-    else selection.complaints.push_back(walks[i].id + ": a survey walk needs two way points");
+    if (walks[i].duration_s() > 0.0)
+      selection.survey.push_back(std::move(walks[i]));
+    else
+      selection.complaints.push_back(walks[i].id + ": a survey walk needs two way points");
   }
   return selection;
 }

@@ -9,9 +9,9 @@ namespace wayfuse {
 
 /// Which walks make the radio map and which are scored.
 struct SelectionOptions {
-  bool development = false;        ///< score the development split, survey with the rest of the survey split
-  bool chain = false;              ///< score walks that continue each other as one long walk
-  std::vector<std::string> only;   ///< ids to score; empty = the whole split
+  bool development = false;       ///< score the development split, survey with the rest of the survey split
+  bool chain = false;             ///< score walks that continue each other as one long walk
+  std::vector<std::string> only;  ///< ids to score; empty = the whole split
 };
 
 struct ScoredWalk {

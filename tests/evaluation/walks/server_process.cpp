@@ -22,14 +22,16 @@ std::string read_line(int file) {
 [[noreturn]] void become(const std::string& program, const std::filesystem::path& folder, int output) {
   ::dup2(output, STDOUT_FILENO);
   const std::string data = "--server.data=" + folder.string();
-  ::execl(program.c_str(), program.c_str(), data.c_str(), "--listen.port=0", "--log.level=warning", static_cast<char*>(nullptr));
+  ::execl(program.c_str(), program.c_str(), data.c_str(), "--listen.port=0", "--log.level=warning",
+          static_cast<char*>(nullptr));
   ::_exit(127);
 }
 
 }  // namespace
 
 Result<ServerProcess> ServerProcess::start(const std::string& program, const std::filesystem::path& folder) {
-  if (::access(program.c_str(), X_OK) != 0) return Fault{FaultCode::kNotFound, "server", program + " is not a program: build wayfused"};
+  if (::access(program.c_str(), X_OK) != 0)
+    return Fault{FaultCode::kNotFound, "server", program + " is not a program: build wayfused"};
   int pipe_ends[2];
   if (::pipe2(pipe_ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe to the server");
   ServerProcess process;

@@ -20,7 +20,8 @@ Rights all_rights() {
 }
 
 SessionNames names(std::uint64_t seed) {
-  return {[] { return std::string("the-only-session-of-this-loop"); }, [] { return std::string("walker"); }, [seed] { return seed; }};
+  return {[] { return std::string("the-only-session-of-this-loop"); }, [] { return std::string("walker"); },
+          [seed] { return seed; }};
 }
 
 // What one conversation needs around it.
@@ -56,8 +57,10 @@ Result<void> SessionReplay::House::create_building(const BuildingRecord& record)
   store = *std::move(opened);
   std::optional<Fault> fault;
   store->create_building(record, [&](Result<BuildingRecord> made) {
-    if (made) building = made->id;
-    else fault = made.fault();
+    if (made)
+      building = made->id;
+    else
+      fault = made.fault();
   });
   if (fault) return *fault;
   return {};
@@ -69,8 +72,9 @@ Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& surve
   std::optional<Fault> refused;
   ClientEvents events;
   events.fault = [&](const FaultReport& report) { refused = report.fault; };
-  Client client(phone_settings(Role::kSurvey, building, "surveyor"), events,
-                [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(), Random(1));
+  Client client(
+      phone_settings(Role::kSurvey, building, "surveyor"), events,
+      [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(), Random(1));
   client.start();
   const auto uploaded =
       upload_survey(client, survey, refused, [&] { loop.run_until(loop.now() + std::chrono::milliseconds(100)); });
@@ -95,7 +99,8 @@ SessionReplay::~SessionReplay() {
   if (house_->store) house_->store->close();
 }
 
-Result<std::unique_ptr<SessionReplay>> SessionReplay::create(const RecordedSite& site, const std::vector<RecordedWalk>& survey) {
+Result<std::unique_ptr<SessionReplay>> SessionReplay::create(const RecordedSite& site,
+                                                             const std::vector<RecordedWalk>& survey) {
   std::unique_ptr<SessionReplay> replay(new SessionReplay(std::make_unique<House>()));
   if (const auto done = replay->house_->create_building(record_of(site)); !done) return done.fault();
   if (const auto done = replay->house_->upload(survey); !done) return done.fault();
@@ -103,7 +108,9 @@ Result<std::unique_ptr<SessionReplay>> SessionReplay::create(const RecordedSite&
   return replay;
 }
 
-std::shared_ptr<const Site> SessionReplay::site() const { return house_->shelf.find(house_->building)->site(); }
+std::shared_ptr<const Site> SessionReplay::site() const {
+  return house_->shelf.find(house_->building)->site();
+}
 
 Result<void> SessionReplay::prepare(const std::string& pipeline) {
   const auto factory = house_->shelf.find(house_->building)->pipeline(pipeline);
@@ -132,8 +139,9 @@ Result<WalkReply> SessionReplay::run(const RecordedWalk& walk, std::span<const I
   events.fault = [&](const FaultReport& report) { fault = report.fault; };
   ClientSettings settings = phone_settings(Role::kTrack, house_->building, walk.device_model);
   settings.pipeline = pipeline;
-  Client client(settings, events, [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(),
-                Random(seed));
+  Client client(
+      settings, events, [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); },
+      loop.phone(), Random(seed));
   client.start();
   loop.run_until(begin);
 

@@ -10,8 +10,8 @@ namespace wayfuse {
 namespace {
 
 constexpr Duration kTurn = std::chrono::microseconds(500);
-constexpr int kAnswerTurns = 20;           // after an acknowledgement, for the position behind it (none comes at rest)
-constexpr int kTurnsMost = 120'000;        // a minute without an answer
+constexpr int kAnswerTurns = 20;     // after an acknowledgement, for the position behind it (none comes at rest)
+constexpr int kTurnsMost = 120'000;  // a minute without an answer
 
 // A client with its own loop and socket.
 struct Phone {
@@ -38,8 +38,10 @@ Result<BuildingId> make_building(const std::filesystem::path& folder, const Buil
   if (!store) return store.fault();
   Result<BuildingId> building = BuildingId{};
   (*store)->create_building(record, [&](Result<BuildingRecord> made) {
-    if (made) building = made->id;
-    else building = made.fault();
+    if (made)
+      building = made->id;
+    else
+      building = made.fault();
   });
   (*store)->close();
   return building;
@@ -133,7 +135,8 @@ Result<WalkReply> SocketReplay::run(const RecordedWalk& walk, std::span<const In
     for (int turn = 0; turn < most && !fault && !until(); ++turn) phone.loop.run_for(kTurn);
     return until();
   };
-  if (!wait([&] { return welcomed; }, kTurnsMost) && !fault) fault = Fault{FaultCode::kTimeout, "session", "the server never greeted"};
+  if (!wait([&] { return welcomed; }, kTurnsMost) && !fault)
+    fault = Fault{FaultCode::kTimeout, "session", "the server never greeted"};
 
   const auto send = [&](SampleBody body) {
     if (const auto sent = phone.client.send(std::move(body)); !sent && !fault) fault = sent.fault();

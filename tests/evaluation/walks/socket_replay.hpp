@@ -8,8 +8,8 @@
 
 namespace wayfuse {
 
-/// The same as SessionReplay with a real server: starts `wayfused` on a temporary folder and a free loopback port, surveys and walks
-/// through real sockets. Samples keep the recording's times; the wall passes as fast as the machines can.
+/// The same as SessionReplay with a real server: starts `wayfused` on a temporary folder and a free loopback port, surveys and
+/// walks through real sockets. Samples keep the recording's times; the wall passes as fast as the machines can.
 class SocketReplay final : public WalkReplay {
  public:
   /// `server` is the wayfused program. Throws std::runtime_error if it cannot be started.

@@ -30,7 +30,8 @@ SurveyCover::SurveyCover(std::span<const RecordedWalk> survey) {
 
 double SurveyCover::distance_to(Place place) const {
   double nearest_m = std::numeric_limits<double>::infinity();
-  for (const Segment& segment : paths(place.floor)) nearest_m = std::min(nearest_m, distance_to_segment_m(place.point, segment));
+  for (const Segment& segment : paths(place.floor))
+    nearest_m = std::min(nearest_m, distance_to_segment_m(place.point, segment));
   return nearest_m;
 }
 

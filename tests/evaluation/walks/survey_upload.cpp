@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kUploadsAhead = 4;   // batches sent before the answers to earlier ones are awaited
-constexpr int kTurnsMost = 20'000;         // without an answer; then it will not come
+constexpr std::size_t kUploadsAhead = 4;  // batches sent before the answers to earlier ones are awaited
+constexpr int kTurnsMost = 20'000;        // without an answer; then it will not come
 
 }  // namespace
 

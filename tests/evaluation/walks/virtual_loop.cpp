@@ -1,6 +1,5 @@
 #include "tests/evaluation/walks/virtual_loop.hpp"
 
-
 namespace wayfuse {
 
 VirtualLoop::VirtualLoop(PhoneTime begin) : now_(begin) {}
@@ -81,7 +80,8 @@ void LoopLink::open(Events events) {
       if (const auto held = wire_weak.lock()) held->loop.post(std::move(task));
     };
     const Rights rights = wire->rights;
-    wire->conversation = begin_conversation(wire->world, *wire, post, rights, [rights](std::string_view) { return Result<Rights>(rights); });
+    wire->conversation =
+        begin_conversation(wire->world, *wire, post, rights, [rights](std::string_view) { return Result<Rights>(rights); });
     if (wire->events.opened) wire->events.opened(wire->encoding);
   });
 }
@@ -90,12 +90,16 @@ bool LoopLink::send(std::string frame) {
   wire_->loop.post([wire = wire_, frame = std::move(frame)] {
     if (!wire->up || !wire->conversation) return;
     auto message = decode_client_message(frame, wire->encoding);
-    if (message) wire->conversation->receive(*std::move(message));
-    else wire->conversation->receive(message.fault());
+    if (message)
+      wire->conversation->receive(*std::move(message));
+    else
+      wire->conversation->receive(message.fault());
   });
   return true;
 }
 
-void LoopLink::close() { wire_->hang_up("closed by the phone"); }
+void LoopLink::close() {
+  wire_->hang_up("closed by the phone");
+}
 
 }  // namespace wayfuse

@@ -36,7 +36,9 @@ class VirtualLoop {
    public:
     explicit PhoneSide(VirtualLoop& loop) : loop_(loop) {}
     PhoneTime now() const override { return loop_.now_; }
-    std::uint64_t after(Duration delay, std::function<void()> task) override { return loop_.add(loop_.now_ + delay, std::move(task)); }
+    std::uint64_t after(Duration delay, std::function<void()> task) override {
+      return loop_.add(loop_.now_ + delay, std::move(task));
+    }
     void cancel(std::uint64_t timer) override;
 
    private:

@@ -18,7 +18,9 @@ struct WalkAnswers {
   std::size_t inside95 = 0;
 };
 
-bool in_scope(const Instant& instant, Scope scope) { return scope == Scope::kAll || instant.covered; }
+bool in_scope(const Instant& instant, Scope scope) {
+  return scope == Scope::kAll || instant.covered;
+}
 
 WalkAnswers gather(std::span<const Instant> instants, const Answers& answers, Scope scope) {
   WalkAnswers walk;
@@ -45,7 +47,7 @@ std::vector<WalkAnswers> gather_all(const ScoredData& data, const PipelineRun& r
   return walks;
 }
 
-double share(std::span<const WalkAnswers> walks, std::size_t WalkAnswers::* count) {
+double share(std::span<const WalkAnswers> walks, std::size_t WalkAnswers::*count) {
   std::size_t counted = 0;
   std::size_t all = 0;
   for (const WalkAnswers& walk : walks) {
@@ -55,7 +57,7 @@ double share(std::span<const WalkAnswers> walks, std::size_t WalkAnswers::* coun
   return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(counted) / static_cast<double>(all);
 }
 
-Interval share_interval(std::span<const WalkAnswers> walks, std::size_t WalkAnswers::* count, const Random& random) {
+Interval share_interval(std::span<const WalkAnswers> walks, std::size_t WalkAnswers::*count, const Random& random) {
   std::vector<GroupSum> groups;
   for (const WalkAnswers& walk : walks) groups.push_back({static_cast<double>(walk.*count), walk.errors_m.size()});
   return bootstrap_mean(groups, random);
@@ -75,7 +77,9 @@ Interval median_interval(std::span<const WalkAnswers> walks, const Random& rando
 
 }  // namespace
 
-std::string_view name_of(Scope scope) { return scope == Scope::kAll ? "ALL" : "COV"; }
+std::string_view name_of(Scope scope) {
+  return scope == Scope::kAll ? "ALL" : "COV";
+}
 
 std::vector<Instant> instants_of(const RecordedWalk& walk, const SurveyCover& cover) {
   std::vector<PhoneTime> times;
@@ -158,7 +162,8 @@ std::vector<TimeBin> score_by_time(const ScoredData& data, const PipelineRun& ru
       for (std::size_t i = 0; i < data.instants[w].size(); ++i) {
         const Instant& instant = data.instants[w][i];
         const auto& answer = run.walks[w][i];
-        if (!answer || !in_scope(instant, scope) || instant.since_start_s < bin.from_s || instant.since_start_s >= bin.to_s) continue;
+        if (!answer || !in_scope(instant, scope) || instant.since_start_s < bin.from_s || instant.since_start_s >= bin.to_s)
+          continue;
         sums[w].sum += distance_m(answer->place.point, instant.truth.point);
         ++sums[w].count;
       }

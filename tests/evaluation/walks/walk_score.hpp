@@ -17,8 +17,8 @@ namespace wayfuse {
 struct Instant {
   PhoneTime time;
   Place truth;
-  bool covered = false;            ///< the survey came by within 3 m
-  double since_start_s = 0.0;      ///< from the first way point
+  bool covered = false;        ///< the survey came by within 3 m
+  double since_start_s = 0.0;  ///< from the first way point
 };
 std::vector<Instant> instants_of(const RecordedWalk& walk, const SurveyCover& cover);
 
@@ -28,7 +28,7 @@ using Answers = std::vector<std::optional<FusedPosition>>;
 /// A pipeline's run over all scored walks, in their order.
 struct PipelineRun {
   std::string pipeline;
-  std::string path;                ///< how the data went: `session`, `socket` or `direct`
+  std::string path;  ///< how the data went: `session`, `socket` or `direct`
   std::vector<Answers> walks;
   std::vector<std::optional<double>> first_fix_s;  ///< from the beginning of each walk
 };
@@ -41,16 +41,16 @@ struct ScoreRow {
   std::string pipeline;
   std::string path;
   Scope scope = Scope::kAll;
-  std::string floor;               ///< label; empty = all floors
+  std::string floor;  ///< label; empty = all floors
   std::size_t walks = 0;
-  std::size_t asked = 0;           ///< instants in the scope
-  ErrorSummary error;              ///< horizontal, over the instants that were answered
-  Interval mean_interval;          ///< 95 %, bootstrap over walks, as are the next
+  std::size_t asked = 0;   ///< instants in the scope
+  ErrorSummary error;      ///< horizontal, over the instants that were answered
+  Interval mean_interval;  ///< 95 %, bootstrap over walks, as are the next
   Interval median_interval;
-  double floor_hit = 0.0;          ///< share of the answers on the right floor
+  double floor_hit = 0.0;  ///< share of the answers on the right floor
   Interval floor_hit_interval;
-  double ttff_s = 0.0;             ///< median time to first fix
-  double in68 = 0.0;               ///< share of the answers whose stated circle holds the truth
+  double ttff_s = 0.0;  ///< median time to first fix
+  double in68 = 0.0;    ///< share of the answers whose stated circle holds the truth
   double in95 = 0.0;
   Interval in68_interval;
   Interval in95_interval;

@@ -27,25 +27,31 @@ std::string shown(double value, int decimals = 2) {
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
 }
-std::string shown(const Interval& interval) { return "[" + shown(interval.low) + ", " + shown(interval.high) + "]"; }
+std::string shown(const Interval& interval) {
+  return "[" + shown(interval.low) + ", " + shown(interval.high) + "]";
+}
 
 std::string rows_table(const std::vector<ScoreRow>& rows, bool by_floor) {
   std::string md = by_floor ? "| pipeline | floor " : "| pipeline ";
-  md += "| scope | n | mean m (95 %) | RMSE | median | p75 | p90 | p95 | floor hit % | first fix s | in 68 % | in 95 % | radius rank |\n|";
+  md +=
+      "| scope | n | mean m (95 %) | RMSE | median | p75 | p90 | p95 | floor hit % | first fix s | in 68 % | in 95 % | radius "
+      "rank |\n|";
   for (int i = 0; i < (by_floor ? 15 : 14); ++i) md += i < (by_floor ? 3 : 2) ? " --- |" : " ---: |";
   md += "\n";
   for (const ScoreRow& row : rows) {
     md += "| " + row.pipeline + (by_floor ? " | " + row.floor : "") + " | " + std::string(name_of(row.scope)) + " | " +
-          std::to_string(row.error.n) + " | " + shown(row.error.mean) + " " + shown(row.mean_interval) + " | " + shown(row.error.rmse) + " | " +
-          shown(row.error.median) + " | " + shown(row.error.p75) + " | " + shown(row.error.p90) + " | " + shown(row.error.p95) + " | " +
-          shown(100 * row.floor_hit, 1) + " | " + shown(row.ttff_s, 1) + " | " + shown(100 * row.in68, 1) + " | " + shown(100 * row.in95, 1) +
-          " | " + (row.radius_rank_corr ? shown(*row.radius_rank_corr) : "–") + " |\n";
+          std::to_string(row.error.n) + " | " + shown(row.error.mean) + " " + shown(row.mean_interval) + " | " +
+          shown(row.error.rmse) + " | " + shown(row.error.median) + " | " + shown(row.error.p75) + " | " +
+          shown(row.error.p90) + " | " + shown(row.error.p95) + " | " + shown(100 * row.floor_hit, 1) + " | " +
+          shown(row.ttff_s, 1) + " | " + shown(100 * row.in68, 1) + " | " + shown(100 * row.in95, 1) + " | " +
+          (row.radius_rank_corr ? shown(*row.radius_rank_corr) : "–") + " |\n";
   }
   return md;
 }
 
 std::string time_table(const WalksOutcome& outcome, Scope scope) {
-  std::string md = "| pipeline | 0–10 s | 10–30 s | 30–60 s | 60–120 s | > 120 s |\n| --- | ---: | ---: | ---: | ---: | ---: |\n";
+  std::string md =
+      "| pipeline | 0–10 s | 10–30 s | 30–60 s | 60–120 s | > 120 s |\n| --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const auto& [pipeline, row_scope, bins] : outcome.by_time) {
     if (row_scope != scope) continue;
     md += "| " + pipeline + " |";
@@ -56,10 +62,12 @@ std::string time_table(const WalksOutcome& outcome, Scope scope) {
 }
 
 std::string pairs_table(const WalksOutcome& outcome) {
-  std::string md = "| compared | against | scope | difference of the means m (95 %) | walks better |\n| --- | --- | --- | ---: | ---: |\n";
+  std::string md =
+      "| compared | against | scope | difference of the means m (95 %) | walks better |\n| --- | --- | --- | ---: | ---: |\n";
   for (const auto& pair : outcome.pairs) {
-    md += "| " + pair.pipeline + " | " + pair.against + " | " + std::string(name_of(pair.scope)) + " | " + shown(pair.mean.difference) + " " +
-          shown(pair.mean.interval) + " | " + shown(100 * pair.mean.share_better, 0) + " % |\n";
+    md += "| " + pair.pipeline + " | " + pair.against + " | " + std::string(name_of(pair.scope)) + " | " +
+          shown(pair.mean.difference) + " " + shown(pair.mean.interval) + " | " + shown(100 * pair.mean.share_better, 0) +
+          " % |\n";
   }
   return md;
 }
@@ -77,8 +85,8 @@ std::string walks_csv(const ScoredData& data, const std::vector<PipelineRun>& ru
   for (std::size_t w = 0; w < data.walks.size(); ++w) {
     const auto& instants = data.instants[w];
     const auto covered = std::count_if(instants.begin(), instants.end(), [](const Instant& i) { return i.covered; });
-    csv += data.walks[w].walk.id + "," + data.walks[w].walk.floor_label + "," + shown(data.walks[w].walk.duration_s(), 1) + "," +
-           std::to_string(instants.size()) + "," + std::to_string(covered);
+    csv += data.walks[w].walk.id + "," + data.walks[w].walk.floor_label + "," + shown(data.walks[w].walk.duration_s(), 1) +
+           "," + std::to_string(instants.size()) + "," + std::to_string(covered);
     for (const auto& column : sums) {
       csv += ",";
       if (column[w].count > 0) csv += shown(column[w].sum / static_cast<double>(column[w].count), 3);
@@ -92,7 +100,8 @@ std::string cdf_picture(const ScoredData& data, const std::vector<PipelineRun>& 
   std::vector<ValueSeries> series;
   for (const PipelineRun& run : runs) series.push_back({run.pipeline, errors_in(data, run, scope)});
   const std::string where = scope == Scope::kAll ? "all instants" : "within 3 m of the survey";
-  return distribution_chart({"Error of the position, " + where, "horizontal error, m", "share of the instants below"}, series, 20.0);
+  return distribution_chart({"Error of the position, " + where, "horizontal error, m", "share of the instants below"}, series,
+                            20.0);
 }
 
 std::string coverage_picture(const ScoredData& data, const Floor& floor, const SurveyCover& cover) {
@@ -101,7 +110,8 @@ std::string coverage_picture(const ScoredData& data, const Floor& floor, const S
   picture.floor = &floor;
   bool first = true;
   for (const auto& [a, b] : cover.paths(floor.ordinal)) {
-    picture.tracks.push_back({first ? "survey, 3 m each side" : "", "#56b4e9", {a, b}, 2 * SurveyCover::kCovered_m, 0.18, false});
+    picture.tracks.push_back(
+        {first ? "survey, 3 m each side" : "", "#56b4e9", {a, b}, 2 * SurveyCover::kCovered_m, 0.18, false});
     first = false;
   }
   for (const auto& [a, b] : cover.paths(floor.ordinal)) picture.tracks.push_back({"", "#0072b2", {a, b}, 0.25, 0.8, false});
@@ -116,7 +126,8 @@ std::string coverage_picture(const ScoredData& data, const Floor& floor, const S
   return plan_picture(picture);
 }
 
-std::string walk_picture(const ScoredData& data, const std::vector<PipelineRun>& runs, std::size_t w, const RecordedSite& site) {
+std::string walk_picture(const ScoredData& data, const std::vector<PipelineRun>& runs, std::size_t w,
+                         const RecordedSite& site) {
   const RecordedWalk& walk = data.walks[w].walk;
   PlanPicture picture;
   const Floor* floor = site.floor(walk.floor);
@@ -127,6 +138,8 @@ std::string walk_picture(const ScoredData& data, const std::vector<PipelineRun>&
   for (const TruePoint& point : walk.way_points) truth.points.push_back(point.point);
   picture.tracks.push_back(std::move(truth));
   for (std::size_t r = 0; r < runs.size(); ++r) {
+    // All of them hide each other: the last, what it is compared with, and Wi-Fi alone.
+    if (runs.size() > 3 && r + 1 != runs.size() && runs[r].pipeline != "p1" && runs[r].pipeline != "wknn") continue;
     PlanTrack track{runs[r].pipeline, std::string(series_colour(r)), {}, 0.2, 0.9, true};
     for (const auto& answer : runs[r].walks[w]) {
       if (answer) track.points.push_back(answer->place.point);
@@ -149,7 +162,8 @@ std::vector<std::pair<std::string, std::size_t>> telling_walks(const ScoredData&
   std::vector<std::pair<std::string, std::size_t>> chosen;
   if (order.empty()) return chosen;
   const auto at = [&](double share) { return order[static_cast<std::size_t>(share * static_cast<double>(order.size() - 1))]; };
-  for (const auto& [name, share] : {std::pair{"good (p25)", 0.25}, {"typical (median)", 0.5}, {"bad (p90)", 0.9}, {"worst", 1.0}}) {
+  for (const auto& [name, share] :
+       {std::pair{"good (p25)", 0.25}, {"typical (median)", 0.5}, {"bad (p90)", 0.9}, {"worst", 1.0}}) {
     chosen.emplace_back(name, at(share));
   }
   return chosen;
@@ -165,9 +179,12 @@ void write_walks_report(const std::string& folder, const WalksOutcome& outcome, 
                    (outcome.chain ? " chains of walks" : " walks") + " scored (split: " + outcome.split + "), " +
                    std::to_string(outcome.survey_walks) + " survey walks made " + std::to_string(outcome.survey_points) +
                    " reference points. Seed " + std::to_string(outcome.seed) + ".";
-  if (outcome.rss_offset_db != 0.0) md += " Every level heard on the scored walks was changed by " + shown(outcome.rss_offset_db, 1) + " dB.";
-  md += "\n\nErrors in metres at every scan arrival and way point; COV = the truth lies within 3 m of a survey path; floor unknown to all;"
-        " intervals: bootstrap over walks. `dead-reckoning` is told the true start and goes straight into the pipeline.\n\n";
+  if (outcome.rss_offset_db != 0.0)
+    md += " Every level heard on the scored walks was changed by " + shown(outcome.rss_offset_db, 1) + " dB.";
+  md +=
+      "\n\nErrors in metres at every scan arrival and way point; COV = the truth lies within 3 m of a survey path; floor "
+      "unknown to all;"
+      " intervals: bootstrap over walks. `dead-reckoning` is told the true start and goes straight into the pipeline.\n\n";
   md += rows_table(outcome.rows, false);
   write_file(root / "cdf_all.svg", cdf_picture(data, runs, Scope::kAll));
   write_file(root / "cdf_cov.svg", cdf_picture(data, runs, Scope::kCovered));

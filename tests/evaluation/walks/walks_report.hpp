@@ -11,14 +11,14 @@ namespace wayfuse {
 /// Everything a run of `wayfuse-eval walks` found out.
 struct WalksOutcome {
   std::string data;
-  std::string split;                     ///< `test`, `dev` or `only`
+  std::string split;  ///< `test`, `dev` or `only`
   bool chain = false;
   double rss_offset_db = 0.0;
   std::uint64_t seed = 0;
   std::size_t survey_walks = 0;
   std::size_t survey_points = 0;
-  std::vector<ScoreRow> rows;            ///< a pipeline and scope, all floors
-  std::vector<ScoreRow> floor_rows;      ///< the same by floor
+  std::vector<ScoreRow> rows;        ///< a pipeline and scope, all floors
+  std::vector<ScoreRow> floor_rows;  ///< the same by floor
   struct ByTime {
     std::string pipeline;
     Scope scope;
@@ -26,7 +26,7 @@ struct WalksOutcome {
   };
   std::vector<ByTime> by_time;
   struct Pair {
-    std::string pipeline;                ///< compared with `against`: negative = better
+    std::string pipeline;  ///< compared with `against`: negative = better
     std::string against;
     Scope scope;
     PairedDifference mean;
@@ -34,12 +34,14 @@ struct WalksOutcome {
   std::vector<Pair> pairs;
 };
 
-WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site, std::uint64_t seed);
+WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site,
+                             std::uint64_t seed);
 
 std::string walks_json(const WalksOutcome& outcome);
 /// The table people read on a terminal.
 std::string walks_table(const WalksOutcome& outcome);
-/// report.md, walks.csv and the pictures, into a folder that is made if need be. Throws std::runtime_error if it cannot be written.
+/// report.md, walks.csv and the pictures, into a folder that is made if need be. Throws std::runtime_error if it cannot be
+/// written.
 void write_walks_report(const std::string& folder, const WalksOutcome& outcome, const ScoredData& data,
                         const std::vector<PipelineRun>& runs, const RecordedSite& site, const SurveyCover& cover);
 

@@ -15,7 +15,9 @@ Json figure(double value) {
   return std::round(value * 1e4) / 1e4;
 }
 
-Json interval(const Interval& interval) { return Json::array({figure(interval.low), figure(interval.high)}); }
+Json interval(const Interval& interval) {
+  return Json::array({figure(interval.low), figure(interval.high)});
+}
 
 Json row_json(const ScoreRow& row) {
   Json json;
@@ -47,7 +49,8 @@ Json row_json(const ScoreRow& row) {
 
 }  // namespace
 
-WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site, std::uint64_t seed) {
+WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site,
+                             std::uint64_t seed) {
   WalksOutcome outcome;
   outcome.seed = seed;
   constexpr Scope kScopes[] = {Scope::kAll, Scope::kCovered};
@@ -115,14 +118,16 @@ std::string walks_json(const WalksOutcome& outcome) {
 std::string walks_table(const WalksOutcome& outcome) {
   std::string table;
   char line[256];
-  std::snprintf(line, sizeof line, "%-18s %-5s %6s  %6s %-14s %6s %6s %6s %6s %6s  %6s %6s %6s %6s %6s\n", "pipeline", "scope", "n", "mean",
-                "[95 %]", "rmse", "median", "p75", "p90", "p95", "floor", "ttff", "in68", "in95", "rank");
+  std::snprintf(line, sizeof line, "%-18s %-5s %6s  %6s %-14s %6s %6s %6s %6s %6s  %6s %6s %6s %6s %6s\n", "pipeline", "scope",
+                "n", "mean", "[95 %]", "rmse", "median", "p75", "p90", "p95", "floor", "ttff", "in68", "in95", "rank");
   table += line;
   for (const ScoreRow& row : outcome.rows) {
-    std::snprintf(line, sizeof line, "%-18s %-5s %6zu  %6.2f [%5.2f, %5.2f] %6.2f %6.2f %6.2f %6.2f %6.2f  %5.1f%% %5.1fs %5.1f%% %5.1f%% %6.2f\n",
-                  row.pipeline.c_str(), std::string(name_of(row.scope)).c_str(), row.error.n, row.error.mean, row.mean_interval.low,
-                  row.mean_interval.high, row.error.rmse, row.error.median, row.error.p75, row.error.p90, row.error.p95, 100 * row.floor_hit,
-                  row.ttff_s, 100 * row.in68, 100 * row.in95, row.radius_rank_corr.value_or(std::nan("")));
+    std::snprintf(line, sizeof line,
+                  "%-18s %-5s %6zu  %6.2f [%5.2f, %5.2f] %6.2f %6.2f %6.2f %6.2f %6.2f  %5.1f%% %5.1fs %5.1f%% %5.1f%% %6.2f\n",
+                  row.pipeline.c_str(), std::string(name_of(row.scope)).c_str(), row.error.n, row.error.mean,
+                  row.mean_interval.low, row.mean_interval.high, row.error.rmse, row.error.median, row.error.p75, row.error.p90,
+                  row.error.p95, 100 * row.floor_hit, row.ttff_s, 100 * row.in68, 100 * row.in95,
+                  row.radius_rank_corr.value_or(std::nan("")));
     table += line;
   }
   return table;
