@@ -8,9 +8,16 @@ namespace {
 
 /// Shows an observer where phones are: the newest of each, never a backlog. What changes while the observer is slow is seen
 /// when it has caught up [SAFETY C12].
-class ObserveRole final : public RoleConversation {
+///
+/// Who watches is written down first: nothing is shown before the line in the audit is durable [SAFETY C19].
+class ObserveRole final : public RoleConversation, public std::enable_shared_from_this<ObserveRole> {
  public:
-  ObserveRole(RoleSeat seat, BuildingId building) : world_(seat.world), output_(seat.output), building_(building) {}
+  ObserveRole(RoleSeat seat, BuildingId building)
+      : world_(seat.world),
+        output_(seat.output),
+        post_(std::move(seat.post)),
+        key_id_(seat.rights.key_id),
+        building_(building) {}
 
   bool receive(ClientMessage& message) override {
     const auto* subscribe = std::get_if<Subscribe>(&message);
@@ -19,11 +26,16 @@ class ObserveRole final : public RoleConversation {
       output_.send(report({FaultCode::kUnexpectedMessage, "zone_events", "this server watches no zones"}));
       return true;
     }
-    subscription_ = *subscribe;
-    interval_ = std::max(subscribe->min_interval, world_.settings.least_observation_interval);
-    seen_ = 0;
-    shown_.clear();
-    show();
+    AuditRecord line;
+    line.at = world_.clock.wall_now();
+    line.key_id = key_id_;
+    line.building = building_;
+    line.action = "observe";
+    world_.store.audit(std::move(line), [weak = weak_from_this(), post = post_, wanted = *subscribe](Result<void> written) {
+      post([weak, wanted, written = std::move(written)] {
+        if (const auto self = weak.lock()) self->begin(wanted, written);
+      });
+    });
     return true;
   }
 
@@ -32,10 +44,23 @@ class ObserveRole final : public RoleConversation {
   }
   Duration tick_interval() const override { return subscription_ ? interval_ : Duration(std::chrono::seconds(1)); }
   bool must_speak() const override { return false; }
-  void goodbye() override {}
-  void disconnected() override { subscription_.reset(); }
+  void goodbye() override { connected_ = false; }
+  void disconnected() override {
+    connected_ = false;
+    subscription_.reset();
+  }
 
  private:
+  void begin(const Subscribe& wanted, const Result<void>& written) {
+    if (!connected_) return;
+    if (!written) return output_.send(report(written.fault()));
+    subscription_ = wanted;
+    interval_ = std::max(wanted.min_interval, world_.settings.least_observation_interval);
+    seen_ = 0;
+    shown_.clear();
+    show();
+  }
+
   void show() {
     shown_at_ = world_.clock.now();
     if (!subscription_->positions) return;
@@ -73,7 +98,10 @@ class ObserveRole final : public RoleConversation {
 
   SessionWorld& world_;
   SessionOutput& output_;
+  const Post post_;
+  const std::uint64_t key_id_;
   const BuildingId building_;
+  bool connected_ = true;
   std::optional<Subscribe> subscription_;
   Duration interval_{0};
   ServerTime shown_at_;

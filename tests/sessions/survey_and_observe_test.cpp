@@ -128,6 +128,10 @@ class Observing : public testing::Test {
                          {SessionHouse::hall().scan_at({4.0 * (walked % 10), 4}, at(walked))}));
     }
   }
+  void watch(Subscribe wanted) {
+    observer.say(std::move(wanted));
+    house.run_posted();
+  }
   void next_look() {
     house.clock.advance(std::chrono::seconds(1));
     observer.conversation->tick();
@@ -143,7 +147,7 @@ class Observing : public testing::Test {
 
 TEST_F(Observing, SeesTheNewestOfEachAndNoBacklog) {
   walk(5);
-  observer.say(Subscribe{});
+  watch(Subscribe{});
   ASSERT_EQ(seen(), 1u);
   ASSERT_EQ(observer.output.last<Observation>().tracked.size(), 1u);
   EXPECT_EQ(observer.output.last<Observation>().tracked[0].tracked, phone.output.last<Welcome>().tracked);
@@ -155,8 +159,22 @@ TEST_F(Observing, SeesTheNewestOfEachAndNoBacklog) {
   EXPECT_EQ(seen(), 2u);  // five moves, one observation
 }
 
-TEST_F(Observing, ASlowObserverMissesOnlyWhatIsOutdated) {
+TEST_F(Observing, WhoWatchesIsWrittenDownBeforeAnythingIsShown) {
+  walk(1);
   observer.say(Subscribe{});
+  EXPECT_EQ(seen(), 0u);  // not before the line is durable
+  house.run_posted();
+  EXPECT_EQ(seen(), 1u);
+  const auto lines = house.store->audited({});
+  ASSERT_TRUE(lines);
+  ASSERT_EQ(lines->size(), 1u);
+  EXPECT_EQ(lines->at(0).action, "observe");
+  EXPECT_EQ(lines->at(0).key_id, SessionHouse::everything().key_id);
+  EXPECT_EQ(lines->at(0).building, hall);
+}
+
+TEST_F(Observing, ASlowObserverMissesOnlyWhatIsOutdated) {
+  watch(Subscribe{});
   observer.output.is_congested = true;
   walk(5);
   next_look();
@@ -170,7 +188,7 @@ TEST_F(Observing, ASlowObserverMissesOnlyWhatIsOutdated) {
 
 TEST_F(Observing, IsToldWhenAPhoneIsGone) {
   walk(1);
-  observer.say(Subscribe{});
+  watch(Subscribe{});
   phone.say(Goodbye{});
   next_look();
   EXPECT_TRUE(observer.output.last<Observation>().tracked[0].gone);
@@ -183,15 +201,15 @@ TEST_F(Observing, SeesOnlyTheFloorsAndPhonesAskedFor) {
   walk(1);
   Subscribe upstairs;
   upstairs.floors = {FloorOrdinal{1}};
-  observer.say(upstairs);
+  watch(upstairs);
   EXPECT_EQ(seen(), 0u);
   Subscribe another;
   another.tracked = {"somebody-else"};
-  observer.say(another);
+  watch(another);
   EXPECT_EQ(seen(), 0u);
   Subscribe this_one;
   this_one.tracked = {phone.output.last<Welcome>().tracked};
-  observer.say(this_one);
+  watch(this_one);
   EXPECT_EQ(seen(), 1u);
 }
 
@@ -202,6 +220,7 @@ TEST_F(Observing, DoesNotSeeOtherBuildings) {
   house.call(elsewhere);
   elsewhere.say(hello_as(Role::kObserve, other));
   elsewhere.say(Subscribe{});
+  house.run_posted();
   EXPECT_TRUE(elsewhere.output.all<Observation>().empty());
 }
 
@@ -215,13 +234,13 @@ TEST_F(Observing, LargeViewsAreSplit) {
     position.building = hall;
     house.board.moved(summary.tracked, position, 1, house.clock.wall_now());
   }
-  observer.say(Subscribe{});
+  watch(Subscribe{});
   EXPECT_EQ(seen(), 3u);
   EXPECT_EQ(observer.output.last<Observation>().tracked.size(), 150u - 2 * Limits::kObservedPerMessage);
 }
 
 TEST_F(Observing, SilenceDoesNotEndAnObserver) {
-  observer.say(Subscribe{});
+  watch(Subscribe{});
   house.clock.advance(std::chrono::hours(1));
   observer.conversation->tick();
   EXPECT_FALSE(observer.output.closed);
