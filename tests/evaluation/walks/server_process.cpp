@@ -22,7 +22,7 @@ std::string read_line(int file) {
 [[noreturn]] void become(const std::string& program, const std::filesystem::path& folder, int output) {
   ::dup2(output, STDOUT_FILENO);
   const std::string data = "--server.data=" + folder.string();
-  ::execl(program.c_str(), program.c_str(), data.c_str(), "--listen.port=0", "--log.level=warning",
+  ::execl(program.c_str(), program.c_str(), data.c_str(), "--listen.port=0", "--log.level=warn",
           static_cast<char*>(nullptr));
   ::_exit(127);
 }
