@@ -14,7 +14,7 @@ LABEL org.opencontainers.image.title="wayfused" \
       org.opencontainers.image.description="wayfuse positioning server" \
       org.opencontainers.image.licenses="MIT"
 RUN apt-get update \
- && apt-get install -y --no-install-recommends libsqlite3-0 libsodium23 libssl3 libspdlog1.10 libfmt9 libcurl4 libtomlplusplus3 ca-certificates openssl \
+ && apt-get install -y --no-install-recommends libsqlite3-0 libsodium23 libssl3 libhwy1 libspdlog1.10 libfmt9 libcurl4 libtomlplusplus3 ca-certificates openssl \
  && rm -rf /var/lib/apt/lists/* /usr/share/doc /usr/share/man \
  && useradd --system --uid 10001 --home-dir /var/lib/wayfuse --create-home wayfuse
 COPY --from=build /build/server/wayfused /build/admin/wayfuse /usr/bin/
