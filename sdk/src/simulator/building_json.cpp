@@ -32,6 +32,7 @@ std::string to_building_json(const World& world) {
                       {"walkable", std::move(walkable)}});
   }
   const Json building{{"name", world.name},
+                      {"pipeline", world.pipeline},
                       {"georeference",
                        {{"origin",
                          {{"latitude_deg", world.georeference.origin.latitude_deg},

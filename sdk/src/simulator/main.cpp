@@ -16,6 +16,7 @@ using namespace wayfuse::simulator;
 struct WorldOptions {
   OfficeSettings office;
   std::uint64_t seed = 1;
+  std::string pipeline = "default";
 
   void add_to(CLI::App& app) {
     app.add_option("--seed", seed, "Of the world and everything in it");
@@ -25,7 +26,9 @@ struct WorldOptions {
   }
   World make() const {
     Random random(seed);
-    return make_office(office, random);
+    World world = make_office(office, random);
+    world.pipeline = pipeline;
+    return world;
   }
 };
 
@@ -77,6 +80,8 @@ int main(int argc, char** argv) {
   auto* walk_command = app.add_subcommand("walk", "Walk phones through the building and show their errors");
   auto* record_command = app.add_subcommand("record", "Record one walk with its truth");
   for (auto* command : {show, survey_command, walk_command, record_command}) options.add_to(*command);
+
+  show->add_option("--pipeline", options.pipeline, "Preset the building asks for");
 
   add_server_options(*survey_command, server, surveying.building);
   survey_command->add_option("--passes", surveying.passes, "Times every room is visited")->check(CLI::Range(1, 20));

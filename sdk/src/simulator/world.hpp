@@ -50,6 +50,7 @@ struct WorldFloor {
 /// A building with everything a stand-in phone can sense in it.
 struct World {
   std::string name;
+  std::string pipeline = "default";   ///< preset the building asks for
   Georeference georeference;
   MagneticField magnetic_field;
   double storey_m = 3.6;
