@@ -51,7 +51,8 @@ public class PhoneCheck {
         () -> phone.onScanResults(5, new String[] {"00:00:00:00:00:01"}, new int[] {}, new int[] {2412}, new long[] {1}));
     phone.start();
     Phone.Position position = null;
-    for (int i = 0; i < 4000 && position == null; ++i) {
+    // The position is there a moment before the listener hears of it.
+    for (int i = 0; i < 4000 && (position == null || positions == 0); ++i) {
       long now = 1000 * Phone.nowUs();
       phone.onSensorEvents(new int[] {1, 4, 2, 99}, new long[] {now, now, now, now},
           new float[] {0, 0, 9.81f, 0, 0, 0, 0, 22, -42, 1, 2, 3});
