@@ -121,6 +121,7 @@ std::unique_ptr<TrackedPhone> make_phone(const World& world, const Propagation& 
                                          Scheduler& scheduler, Random random) {
   StandInSettings stand_in;
   stand_in.device = draw_device(random);
+  stand_in.carrying = carrying_of(settings.carrying, random);
   stand_in.scanner.throttled = settings.throttled;
   stand_in.start = scheduler.now();
   auto phone = std::make_unique<StandInPhone>(world, propagation, walker, stand_in, random.split());

@@ -28,6 +28,7 @@ struct WalkFleetSettings {
   double speed = 8.0;       ///< how fast those clocks run, 1..100
   bool compare = true;
   bool throttled = false;
+  std::string carrying = "texting";   ///< as carrying_of() takes it
   std::string pipeline;
   std::uint64_t seed = 1;
 };

@@ -14,21 +14,45 @@ using namespace wayfuse;
 using namespace wayfuse::simulator;
 
 struct WorldOptions {
-  OfficeSettings office;
+  WorldSettings settings;
   std::uint64_t seed = 1;
+  std::string kind = "office";
   std::string pipeline = "default";
 
   void add_to(CLI::App& app) {
     app.add_option("--seed", seed, "Of the world and everything in it");
-    app.add_option("--floors", office.floors, "Storeys of the office")->check(CLI::Range(1, 20));
-    app.add_option("--length", office.length_m, "Of the office, metres")->check(CLI::Range(40.0, 200.0));
-    app.add_option("--transmitters", office.transmitters_per_floor, "Access points a floor")->check(CLI::Range(1, 200));
+    app.add_option("--kind", kind, "Of building")->check(CLI::IsMember(world_kind_names()));
+    app.add_option("--floors", settings.floors, "Storeys");
+    app.add_option("--length", settings.length_m, "Of a floor, metres");
+    app.add_option("--width", settings.width_m, "Of a floor, metres");
+    app.add_option("--transmitters", settings.transmitters_per_floor, "Access points a floor");
+    app.add_option("--networks", settings.networks_per_transmitter, "Addresses an access point speaks with");
+    app.add_option("--anomalies", settings.anomalies_per_floor, "Magnetic disturbances a floor");
   }
-  World make() const {
+  World make() {
+    settings.kind = *world_kind_of(kind);
     Random random(seed);
-    World world = make_office(office, random);
+    World world = make_world(settings, random);
     world.pipeline = pipeline;
     return world;
+  }
+};
+
+struct RecordOptions {
+  double minutes = 2;
+  std::string carrying = "texting";
+  std::string device;
+  bool throttled = false;
+  std::uint64_t walk = 0;
+  std::string file;
+
+  void add_to(CLI::App& app) {
+    app.add_option("--minutes", minutes, "Of walking")->check(CLI::Range(0.1, 1440.0));
+    app.add_option("--carrying", carrying, "texting, phoning, pocket, swinging, mixed or changing");
+    app.add_option("--device", device, "Model, like 'stand-in C'; otherwise any");
+    app.add_flag("--throttled", throttled, "Four real scans in two minutes, as Android allows");
+    app.add_option("--walk", walk, "Number of the walk: another one in the same world");
+    app.add_option("FILE", file, "Where to")->required();
   }
 };
 
@@ -39,13 +63,16 @@ void add_server_options(CLI::App& app, ServerAddress& server, BuildingId& buildi
   app.add_option("--building", building.value, "Building id on the server")->required();
 }
 
-int record(const World& world, std::uint64_t seed, double minutes, const std::string& file) {
-  Random random(seed);
+int record(const World& world, std::uint64_t seed, const RecordOptions& options) {
+  Random random(seed + 0x9e37'79b9'7f4a'7c15u * options.walk);
   const Propagation propagation(world, {});
-  const Walker walker(world, {}, from_seconds(60 * minutes), {}, random);
+  const Walker walker(world, {}, from_seconds(60 * options.minutes), {}, random);
   StandInSettings settings;
-  settings.device = draw_device(random);
+  settings.device = options.device.empty() ? draw_device(random) : draw_device(options.device, random);
+  settings.carrying = carrying_of(options.carrying, random);
+  settings.scanner.throttled = options.throttled;
   StandInPhone phone(world, propagation, walker, settings, random.split());
+  const std::string& file = options.file;
   std::ofstream out(file);
   if (!out) {
     std::cerr << "wayfuse-phone: " << file << " cannot be written\n";
@@ -72,8 +99,7 @@ int main(int argc, char** argv) {
   ServerAddress server;
   SurveyFleetSettings surveying;
   WalkFleetSettings walking;
-  double record_minutes = 2;
-  std::string record_file;
+  RecordOptions recording;
 
   auto* show = app.add_subcommand("world", "Print the building as POST /v1/buildings takes it");
   auto* survey_command = app.add_subcommand("survey", "Survey every floor and upload the reference points");
@@ -91,18 +117,18 @@ int main(int argc, char** argv) {
   walk_command->add_option("--minutes", walking.minutes, "Of walking, on the phones' clocks")->check(CLI::Range(0.1, 1440.0));
   walk_command->add_option("--speed", walking.speed, "How fast those clocks run")->check(CLI::Range(0.1, 100.0));
   walk_command->add_option("--pipeline", walking.pipeline, "Preset to ask for instead of the building's own");
+  walk_command->add_option("--carrying", walking.carrying, "texting, phoning, pocket, swinging, mixed or changing");
   walk_command->add_flag("--throttled", walking.throttled, "Four real scans in two minutes, as Android allows");
   walk_command->add_flag("!--no-compare", walking.compare, "Only the fused session, no Wi-Fi-only one beside it");
 
-  record_command->add_option("--minutes", record_minutes, "Of walking")->check(CLI::Range(0.1, 1440.0));
-  record_command->add_option("FILE", record_file, "Where to")->required();
+  recording.add_to(*record_command);
   CLI11_PARSE(app, argc, argv);
 
   try {
     const World world = options.make();
     surveying.seed = walking.seed = options.seed;
     if (*show) std::cout << to_building_json(world) << '\n';
-    if (*record_command) return record(world, options.seed, record_minutes, record_file);
+    if (*record_command) return record(world, options.seed, recording);
     if (*survey_command) return survey(world, server, surveying, stdout);
     if (*walk_command) return walk(world, server, walking, stdout);
     return EXIT_SUCCESS;

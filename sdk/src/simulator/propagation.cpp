@@ -40,6 +40,13 @@ double Propagation::walls_db(const WorldFloor& floor, BuildingPoint from, Buildi
   return std::min(loss_db, settings_.most_walls_db);
 }
 
+// Between storeys the way crosses the ceilings about half way.
+double Propagation::storey_db(BuildingPoint from, BuildingPoint to) const {
+  const BuildingPoint middle{0.5 * (from.x_m + to.x_m), 0.5 * (from.y_m + to.y_m)};
+  const bool open = std::ranges::any_of(world_.openings, [&](const Polygon& opening) { return contains(opening, middle); });
+  return open ? settings_.opening_loss_db : settings_.floor_loss_db;
+}
+
 double Propagation::shadow_db(std::size_t transmitter, const Place& at) const {
   std::size_t floor = 0;
   while (floor + 1 < world_.floors.size() && world_.floors[floor].plan.ordinal != at.floor) ++floor;
@@ -60,7 +67,8 @@ double Propagation::level_dbm(std::size_t index, const Place& at, Heading facing
   const double walls = floor != world_.floors.end() ? walls_db(*floor, transmitter.point, at.point) : 0.0;
   const Heading towards = Heading::from_vector(transmitter.point.x_m - at.point.x_m, transmitter.point.y_m - at.point.y_m);
   const double behind = 0.5 * (1.0 - std::cos(towards.minus(facing)));
-  return open_dbm - walls - storeys * settings_.floor_loss_db - settings_.body_db * behind * behind + shadow_db(index, at);
+  const double storeys_db = storeys > 0 ? storeys * storey_db(transmitter.point, at.point) : 0.0;
+  return open_dbm - walls - storeys_db - settings_.body_db * behind * behind + shadow_db(index, at);
 }
 
 }  // namespace wayfuse::simulator

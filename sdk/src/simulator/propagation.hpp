@@ -9,6 +9,7 @@ namespace wayfuse::simulator {
 struct PropagationSettings {
   double decay_db_per_decade = 21.0;   ///< in the open, before walls
   double floor_loss_db = 17.0;         ///< a ceiling
+  double opening_loss_db = 4.0;        ///< a storey, where the way leads through an opening of the ceilings
   double most_walls_db = 35.0;         ///< energy finds other ways round
   double shadowing_db = 4.0;           ///< 1 sigma of the static pattern
   double shadowing_reach_m = 4.0;      ///< its correlation length
@@ -32,6 +33,7 @@ class Propagation {
     double kx, ky, phase;
   };
   double walls_db(const WorldFloor& floor, BuildingPoint from, BuildingPoint to) const;
+  double storey_db(BuildingPoint from, BuildingPoint to) const;
   double shadow_db(std::size_t transmitter, const Place& at) const;
 
   const World& world_;

@@ -3,23 +3,25 @@
 #include <optional>
 #include <vector>
 
+#include "sdk/src/simulator/device.hpp"
 #include "sdk/src/simulator/propagation.hpp"
-#include "sdk/src/simulator/sensors.hpp"
+#include "sdk/src/simulator/walker.hpp"
 #include "wayfuse/proto/scan.hpp"
 
 namespace wayfuse::simulator {
 
+/// The usual values come from 443 real walks; `test_sdk_simulator` compares what comes out with them again.
 struct ScannerSettings {
-  Duration interval = std::chrono::seconds(3);    ///< between deliveries to the application
-  Duration sweep = std::chrono::milliseconds(2200);   ///< time a real scan takes over all channels
-  double repeat_share = 0.35;      ///< of deliveries that are the previous list once more
-  double stale_share = 0.25;       ///< of entries not heard this time that stay in the list
-  Duration stale_most = std::chrono::seconds(20);
-  bool throttled = false;          ///< four real scans in two minutes; the rest repeats
-  double fading_db = 2.5;          ///< 1 sigma between sweeps, by people and motion
+  Duration interval = std::chrono::milliseconds(2050);  ///< between deliveries to the application, within -5 and +15 %
+  Duration sweep = std::chrono::milliseconds(1500);     ///< time a real scan takes over all channels
+  Duration cache_life = std::chrono::seconds(30);       ///< what was not heard again for so long leaves the list
+  double fading_db = 4.0;          ///< 1 sigma between sweeps, by people and motion
+  bool throttled = false;          ///< four real scans in two minutes; the rest repeats old readings with their old times
 };
 
 /// A phone's Wi-Fi: sweeps the channels while the walker walks and hands out its cache, ages and all.
+///
+/// The phone was on before the walk began: the first list already holds what was heard where it stood.
 class Scanner {
  public:
   Scanner(const World& world, const Propagation& propagation, const Walker& walker, Device device, ScannerSettings settings,
@@ -47,7 +49,7 @@ class Scanner {
   Random random_;
   Duration next_;
   std::vector<Duration> sweeps_;
-  std::vector<Heard> cache_;
+  std::vector<Heard> cache_;   // ascending by address
 };
 
 }  // namespace wayfuse::simulator

@@ -26,13 +26,16 @@ Quaternion about_x(double angle_rad) { return {std::cos(angle_rad / 2), std::sin
 Quaternion about_y(double angle_rad) { return {std::cos(angle_rad / 2), 0, std::sin(angle_rad / 2), 0}; }
 Quaternion about_z(double angle_rad) { return {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)}; }
 
-struct Pose {
-  double yaw_rad, pitch_rad, roll_rad;   // of the phone against the walker
-  double sway_rad;                       // yaw swing with every second step
-  double swing_rad;                      // pitch swing of an arm or leg
-};
+constexpr double kHandling_s = 1.2;   // from one way of carrying to another
 
-Pose pose_of(Carrying carrying) {
+}  // namespace
+
+const std::vector<std::string>& carrying_names() {
+  static const std::vector<std::string> names = {"texting", "phoning", "pocket", "swinging"};
+  return names;
+}
+
+MotionSensors::Pose MotionSensors::pose_of(Carrying carrying) {
   switch (carrying) {
     case Carrying::kTexting: return {0.0, 0.60, 0.03, 0.04, 0.02};
     case Carrying::kPhoning: return {0.3, 1.20, 1.10, 0.05, 0.03};
@@ -42,35 +45,43 @@ Pose pose_of(Carrying carrying) {
   return {};
 }
 
-}  // namespace
-
-Device draw_device(Random& random) {
-  constexpr const char* kModels[] = {"stand-in A", "stand-in B", "stand-in C", "stand-in D"};
-  Device device;
-  const std::uint64_t model = random.below(std::size(kModels));
-  device.model = kModels[model];
-  device.rss_offset_db = -4.0 + 2.5 * static_cast<double>(model) + 0.8 * random.normal();
-  const auto vector = [&](double sigma) { return Vector3{sigma * random.normal(), sigma * random.normal(), sigma * random.normal()}; };
-  device.gyro_bias_radps = vector(0.004);
-  device.hard_iron_ut = vector(1.5);
-  return device;
+MotionSensors::MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random)
+    : world_(world), walker_(walker), device_(std::move(device)), changes_{{Duration{0}, carrying.mode}}, random_(random) {
+  bounce_ = 1.0 + 0.12 * random_.normal();
+  if (carrying.stay <= Duration{0}) return;
+  while (changes_.back().at < walker_.length()) {
+    const Duration stay = from_seconds(seconds(carrying.stay) * (0.5 + random_.uniform()));
+    const auto other = 1 + static_cast<int>(random_.below(kCarryingModes - 1));
+    changes_.push_back({changes_.back().at + stay, static_cast<Carrying>((static_cast<int>(changes_.back().to) + other) % kCarryingModes)});
+  }
 }
 
-MotionSensors::MotionSensors(const World& world, const Walker& walker, Device device, Carrying carrying, Random random)
-    : world_(world), walker_(walker), device_(std::move(device)), carrying_(carrying), random_(random) {
-  bounce_ = 1.0 + 0.12 * random_.normal();
+Carrying MotionSensors::carrying(Duration since_start) const {
+  const auto after = std::ranges::upper_bound(changes_, since_start, {}, &Change::at);
+  return after == changes_.begin() ? changes_.front().to : (after - 1)->to;
+}
+
+// Between two modes the hand moves evenly, without a jolt at either end.
+MotionSensors::Pose MotionSensors::pose_at(Duration since_start) const {
+  const auto after = std::ranges::upper_bound(changes_, since_start, {}, &Change::at);
+  if (after - changes_.begin() <= 1) return pose_of(changes_.front().to);
+  const double t = std::min(1.0, seconds(since_start - (after - 1)->at) / kHandling_s);
+  const double share = t * t * (3 - 2 * t);
+  const Pose from = pose_of((after - 2)->to), to = pose_of((after - 1)->to);
+  const auto mix = [share](double a, double b) { return a + share * (b - a); };
+  return {mix(from.yaw_rad, to.yaw_rad), mix(from.pitch_rad, to.pitch_rad), mix(from.roll_rad, to.roll_rad),
+          mix(from.sway_rad, to.sway_rad), mix(from.swing_rad, to.swing_rad)};
 }
 
 Quaternion MotionSensors::attitude(Duration since_start) const {
   const Truth truth = walker_.at(since_start);
-  const Pose pose = pose_of(carrying_);
+  const Pose pose = pose_at(since_start);
   const double stride = kPi * truth.gait_phase;   // one turn of 2 pi = two steps
-  const double moving = std::min(1.0, truth.speed_mps / 0.5);
   // Body y points where the walker goes; the body's yaw is measured from north, counter-clockwise.
   const double north_yaw = world_.georeference.to_true(truth.heading).radians() - kPi / 2;
-  const double yaw = north_yaw + pose.yaw_rad + moving * pose.sway_rad * std::sin(stride);
-  const double pitch = pose.pitch_rad + moving * pose.swing_rad * std::sin(stride + 0.7);
-  return times(times(about_z(yaw), about_x(pitch)), about_y(pose.roll_rad + moving * 0.02 * std::sin(stride + 1.3)));
+  const double yaw = north_yaw + pose.yaw_rad + truth.swing * pose.sway_rad * std::sin(stride);
+  const double pitch = pose.pitch_rad + truth.swing * pose.swing_rad * std::sin(stride + 0.7);
+  return times(times(about_z(yaw), about_x(pitch)), about_y(pose.roll_rad + truth.swing * 0.02 * std::sin(stride + 1.3)));
 }
 
 // Two bounces a stride upwards, a push and a brake a step forwards, a sway a stride sideways.
@@ -82,7 +93,7 @@ Vector3 MotionSensors::specific_force_enu(const Truth& truth) const {
   const double forward = -vigour * 1.1 * std::sin(step + 0.4);
   const double side = vigour * 0.6 * std::sin(step / 2);
   const Heading heading = world_.georeference.to_true(truth.heading);
-  return {forward * heading.cos() - side * heading.sin(), forward * heading.sin() + side * heading.cos(), kGravity_mps2 + up};
+  return {forward * heading.cos() - side * heading.sin(), forward * heading.sin() + side * heading.cos(), kGravity_mps2 + up + truth.lift_mps2};
 }
 
 Vector3 MotionSensors::field_enu(const Place& place) const {
@@ -128,7 +139,8 @@ MargSample MotionSensors::sample(Duration since_start, PhoneTime time) {
   sample.turn_rate_radps = noisy(rate, device_.gyro_noise_radps);
   sample.field_ut = noisy(field, device_.field_noise_ut);
   // The barometric formula near the ground: 8.3 m a hPa.
-  sample.pressure_hpa = 1013.25 - truth.height_m / 8.3 + 0.02 * random_.normal();
+  const double pressure_hpa = 1013.25 - truth.height_m / 8.3 + 0.02 * random_.normal();
+  if (device_.barometer) sample.pressure_hpa = pressure_hpa;
   return sample;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "sdk/src/simulator/device.hpp"
 #include "sdk/src/simulator/walker.hpp"
 #include "sdk/src/simulator/world.hpp"
 #include "wayfuse/proto/random.hpp"
@@ -12,22 +14,14 @@ namespace wayfuse::simulator {
 
 /// How the phone is carried.
 enum class Carrying : std::uint8_t { kTexting, kPhoning, kPocket, kSwinging };
+inline constexpr int kCarryingModes = 4;
+/// `texting`, `phoning`, `pocket`, `swinging`.
+const std::vector<std::string>& carrying_names();
 
-/// One phone model's and specimen's faults.
-struct Device {
-  std::string model = "stand-in";
-  double rss_offset_db = 0.0;          ///< against the surveyor's phone
-  double rss_noise_db = 2.0;           ///< 1 sigma a reading, before rounding to whole dBm
-  double sensitivity_dbm = -92.0;      ///< half of the frames at this level are heard
-  double acceleration_noise_mps2 = 0.03;
-  double gyro_noise_radps = 0.003;
-  Vector3 gyro_bias_radps;
-  double field_noise_ut = 0.4;
-  Vector3 hard_iron_ut;
-  double rate_hz = 50.0;               ///< of the motion sensors, 25..400
+struct CarryingSettings {
+  Carrying mode = Carrying::kTexting;   ///< at the start
+  Duration stay{0};                     ///< mean time in one mode before another; 0 = never another
 };
-/// A specimen with faults typical of phones.
-Device draw_device(Random& random);
 
 /// Turns the truth of a walk into what a phone's motion sensors say.
 ///
@@ -35,14 +29,26 @@ Device draw_device(Random& random);
 /// accelerometer gravity plus the gait's bounce, the magnetometer the local field with the building's anomalies.
 class MotionSensors {
  public:
-  MotionSensors(const World& world, const Walker& walker, Device device, Carrying carrying, Random random);
+  MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random);
 
   /// The sensors at `since_start`, stamped `time`.
   MargSample sample(Duration since_start, PhoneTime time);
   /// Where the phone really points, body -> true east/north/up.
   Quaternion attitude(Duration since_start) const;
+  Carrying carrying(Duration since_start) const;
 
  private:
+  struct Pose {
+    double yaw_rad, pitch_rad, roll_rad;   // of the phone against the walker
+    double sway_rad;                       // yaw swing with every second step
+    double swing_rad;                      // pitch swing of an arm or leg
+  };
+  struct Change {
+    Duration at;
+    Carrying to;
+  };
+  static Pose pose_of(Carrying carrying);
+  Pose pose_at(Duration since_start) const;
   Vector3 specific_force_enu(const Truth& truth) const;
   Vector3 field_enu(const Place& place) const;
   Vector3 noisy(const Vector3& value, double sigma);
@@ -50,7 +56,7 @@ class MotionSensors {
   const World& world_;
   const Walker& walker_;
   Device device_;
-  Carrying carrying_;
+  std::vector<Change> changes_;   // ascending; the first at the start
   Random random_;
   double bounce_;   // this walker's
 };

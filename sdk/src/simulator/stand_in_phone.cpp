@@ -1,8 +1,22 @@
 #include "sdk/src/simulator/stand_in_phone.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace wayfuse::simulator {
+
+CarryingSettings carrying_of(std::string_view word, Random& random) {
+  if (word == "mixed" || word == "changing") {
+    const auto mode = static_cast<Carrying>(random.below(kCarryingModes));
+    return {mode, word == "changing" ? std::chrono::seconds(30) : Duration{0}};
+  }
+  const auto& names = carrying_names();
+  const auto at = std::ranges::find(names, word);
+  if (at != names.end()) return {static_cast<Carrying>(at - names.begin())};
+  std::string known;
+  for (const std::string& name : names) known += name + ", ";
+  throw std::invalid_argument("carrying: no way '" + std::string(word) + "'; there are " + known + "mixed, changing");
+}
 
 StandInPhone::StandInPhone(const World& world, const Propagation& propagation, const Walker& walker,
                            const StandInSettings& settings, Random random)

@@ -12,10 +12,14 @@ namespace wayfuse::simulator {
 
 struct StandInSettings {
   Device device = {};
-  Carrying carrying = Carrying::kTexting;
+  CarryingSettings carrying = {};
   ScannerSettings scanner = {};
   PhoneTime start{from_seconds(1000)};   ///< of the walk, on the phone's clock
 };
+
+/// What `--carrying` says: one of carrying_names(), `mixed` (every phone its own way), `changing` (another way every 30 s or
+/// so). std::invalid_argument lists the words.
+CarryingSettings carrying_of(std::string_view word, Random& random);
 
 /// A phone in a walker's hand: its sensor callbacks in the order an operating system would make them.
 ///

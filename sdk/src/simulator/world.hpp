@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "wayfuse/proto/place.hpp"
@@ -35,11 +37,20 @@ struct MagneticAnomaly {
   Heading direction;              ///< of its horizontal part, building frame
 };
 
-/// A way a person can go: an edge of the walking graph.
+/// How a person gets from one floor to the next.
+enum class Passage : std::uint8_t {
+  kNone,
+  kStairs,      ///< on foot, slower than on the level
+  kEscalator,   ///< carried along, standing: motion without steps
+  kLift,        ///< waits, rides straight up or down, any number of storeys at once
+};
+
+/// A place people pass or go to: a node of the walking graph.
 struct WayNode {
   Place place;
   std::vector<std::size_t> neighbours;
   bool room = false;              ///< somewhere people go to and pause
+  Passage passage = Passage::kNone;   ///< an edge between floors joins two nodes of one kind
 };
 
 struct WorldFloor {
@@ -55,32 +66,39 @@ struct World {
   MagneticField magnetic_field;
   double storey_m = 3.6;
   std::vector<WorldFloor> floors;
+  std::vector<Polygon> openings;      ///< holes in every ceiling: radio passes between storeys there
   std::vector<Transmitter> transmitters;
   std::vector<MagneticAnomaly> anomalies;
   std::vector<WayNode> ways;
   std::uint64_t seed = 1;         ///< of its shadowing field
 };
 
-struct OfficeSettings {
-  int floors = 2;                    ///< 1..20
-  double length_m = 60.0;            ///< 40..200
-  double width_m = 32.0;             ///< 28..60
-  int transmitters_per_floor = 9;    ///< 1..200
-  int networks_per_transmitter = 2;  ///< 1..8
-  int anomalies_per_floor = 6;       ///< 0..100
+/// Kinds of buildings; each is a radio and motion problem of its own.
+enum class WorldKind : std::uint8_t {
+  kOffice,      ///< corridors, thin walls, an access point every few rooms
+  kMall,        ///< open concourses round an atrium, hundreds of radios, escalators and lifts
+  kWarehouse,   ///< one hall of steel shelves: few radios, few walls, a bent magnetic field
+};
+/// `office`, `mall`, `warehouse`.
+const std::vector<std::string>& world_kind_names();
+std::optional<WorldKind> world_kind_of(std::string_view name);
+
+/// Absent = what is usual for the kind.
+struct WorldSettings {
+  WorldKind kind = WorldKind::kOffice;
+  std::optional<int> floors;                   ///< 1..20; office 2, mall 4, warehouse 1
+  std::optional<double> length_m;              ///< 40..200; office 60, mall 120, warehouse 90
+  std::optional<double> width_m;               ///< office 28..60, usually 32; mall 50..120, 64; warehouse 30..120, 50
+  std::optional<int> transmitters_per_floor;   ///< 1..200; office 9, mall one a shop and one every 12 m of concourse, warehouse 8
+  std::optional<int> networks_per_transmitter; ///< 1..8; office 2, mall 4, warehouse 2
+  std::optional<int> anomalies_per_floor;      ///< 0..100; office 6, mall 12, warehouse one a shelf
 };
 
-/// An office: a ring corridor, rooms on both sides of it, stairs at one end of each floor.
-///
-///     +--+--+--+--+--+--+--+--+    rooms
-///     |==+==+==+==+==+==+==+==|    corridor
-///     | |rooms  |core |rooms| |
-///     |S|-------+-----+-----| |    S: stairs
-///     |==+==+==+==+==+==+==+==|
-///     +--+--+--+--+--+--+--+--+
-World make_office(const OfficeSettings& settings, Random& random);
+/// Draws a building; the same settings and generator give the same one. Throws std::invalid_argument naming the setting
+/// that is out of its range.
+World make_world(const WorldSettings& settings, Random& random);
 
-/// The way with the least metres between two nodes (stairs count their length); empty if there is none.
+/// The way with the least effort between two nodes, in metres walked (a lift costs the wait for it); empty if there is none.
 std::vector<std::size_t> shortest_way(const World& world, std::size_t from, std::size_t to);
 
 /// The building as the admin API takes it: name, georeference, magnetic field, floors with outline and walkable area.
