@@ -271,6 +271,22 @@ TEST_F(ClientStream, LeavesAServerThatAcknowledgesNothing) {
   EXPECT_EQ(reasons.at(0), "samples are sent and none is acknowledged");
 }
 
+TEST_F(ClientStream, LeavesAServerThatOnlyEverAsksToWait) {
+  start_streaming();
+  int waits = 0;
+  for (int i = 0; i < 59 && client->state() == kStreaming; ++i) {
+    walk(1);
+    run(1);
+    far().events.alive();
+    if (i % 10 != 9) continue;
+    far().say(FaultReport{{FaultCode::kRateLimited, "", "too many"}, 0, {}, 1s});
+    ++waits;
+  }
+  EXPECT_EQ(waits, 2);  // 20 s and the seconds it asked for, before the ring of 60 s runs over
+  EXPECT_EQ(reasons.at(0), "samples are sent and none is acknowledged");
+  EXPECT_TRUE(lost.empty());
+}
+
 TEST_F(ClientStream, SendsAgainWhatTheServerMissed) {
   start_streaming();
   walk(6);

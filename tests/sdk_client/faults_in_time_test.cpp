@@ -127,15 +127,18 @@ Outcome run(std::uint64_t seed, bool long_outages) {
   client.start();
   std::uint64_t acked = 0;
   PhoneTime progress_at = clock.now();
-  for (int tick = 0; tick < 600; ++tick) {
-    EXPECT_TRUE(client.send(named_motion(outcome.sent + 1, clock.now())));
-    ++outcome.sent;
-    clock.run_for(400ms);
+  const auto watch_progress = [&] {
     if (client.acked_through() != acked) {
       acked = client.acked_through();
       progress_at = clock.now();
     }
     outcome.longest_standstill = std::max(outcome.longest_standstill, clock.now() - progress_at);
+  };
+  for (int tick = 0; tick < 600; ++tick) {
+    EXPECT_TRUE(client.send(named_motion(outcome.sent + 1, clock.now())));
+    ++outcome.sent;
+    clock.run_for(400ms);
+    watch_progress();
     if (random.below(25) == 0) {
       if (const auto alive = wire.lock()) alive->reset();
     }
@@ -153,6 +156,7 @@ Outcome run(std::uint64_t seed, bool long_outages) {
   }
   for (int i = 0; i < 400 && client.acked_through() < outcome.sent; ++i) {
     clock.run_for(1s);
+    watch_progress();
     if (i % 5 == 0) {
       EXPECT_TRUE(client.send(named_fix(outcome.sent + 1, clock.now())));  // traffic, so that lost acks come again
       ++outcome.sent;
@@ -172,10 +176,16 @@ std::uint64_t seeds(std::uint64_t usual) {
   return wanted ? std::strtoull(wanted, nullptr, 10) : usual;
 }
 
+// The seed to begin with, to see one failure again.
+std::uint64_t first_seed() {
+  const char* wanted = std::getenv("WAYFUSE_FAULT_FIRST");
+  return wanted ? std::strtoull(wanted, nullptr, 10) : 1;
+}
+
 TEST(FaultsInTime, WithinTheRingNothingIsLost) {
   std::size_t connections = 0;
   std::uint64_t quiet = 0;
-  for (std::uint64_t seed = 1; seed <= seeds(150); ++seed) {
+  for (std::uint64_t seed = first_seed(); seed < first_seed() + seeds(150); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Outcome outcome = run(seed, false);
     expect_sound(outcome);
@@ -190,7 +200,7 @@ TEST(FaultsInTime, WithinTheRingNothingIsLost) {
 
 TEST(FaultsInTime, BeyondTheRingEveryLossIsTold) {
   std::size_t told = 0;
-  for (std::uint64_t seed = 1; seed <= seeds(100); ++seed) {
+  for (std::uint64_t seed = first_seed(); seed < first_seed() + seeds(100); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Outcome outcome = run(seed, true);
     expect_sound(outcome);

@@ -107,7 +107,7 @@ void Client::State::welcomed(const Welcome& welcome) {
   token_refusals_ = 0;
   replaying_ = outbox_.has_unsent();
   outbox_.hold_still(replaying_);
-  last_heard_ = scheduler_.now();
+  last_heard_ = progress_at_ = scheduler_.now();
   watch_silence();
   enter(ClientState::kStreaming);
   if (generation_ == generation) renew_token_after(welcome.token_expires_in);

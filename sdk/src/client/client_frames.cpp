@@ -172,7 +172,9 @@ void Client::State::gap_reported() {
 /// Not so fast: what was refused goes out again after the pause, duplicates are harmless.
 void Client::State::hold(Duration wait) {
   if (state_ != ClientState::kStreaming) return;
-  hold_until_ = scheduler_.now() + std::max(wait, settings_.batch_interval);
+  const Duration pause = std::max(wait, settings_.batch_interval);
+  hold_until_ = scheduler_.now() + pause;
+  progress_at_ += pause;  // what the server asked for is not held against it; nor does asking wipe out what it owes
   outbox_.rewind();
   cancel(flush_timer_);
   arm_flush();

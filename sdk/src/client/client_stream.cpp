@@ -57,7 +57,7 @@ void Client::State::flush() {
   }
   if (acks_stay_out()) return drop_link("samples are sent and none is acknowledged");
   last_flush_ = scheduler_.now();
-  if (outbox_.nothing_on_the_way()) progress_at_ = last_flush_;
+  if (outbox_.all_acknowledged()) progress_at_ = last_flush_;
   if (flush_samples()) flush_uploads();
   if (generation_ == generation) arm_flush();
 }

@@ -50,6 +50,8 @@ class Outbox {
   /// Numbers are missing between what was sent and what is kept: only a new session can go on.
   bool broken() const { return first() > sent_ + 1; }
   bool nothing_on_the_way() const { return sent_ == acked_; }
+  /// ... nor was there anything that a server left unanswered.
+  bool all_acknowledged() const { return ever_sent_ == acked_; }
   bool has_unsent() const { return sent_ < last_; }
   /// Every unsent sample is a motion report at rest: nothing that hurries.
   bool only_rest_unsent() const;
