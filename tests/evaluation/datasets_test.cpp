@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/evaluation/datasets/attitude_trial.hpp"
+#include "sdk/src/recording/import/attitude_trial.hpp"
 #include "tests/evaluation/datasets/fingerprint_table.hpp"
 #include "tests/evaluation/datasets/floor_map.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
-#include "tests/evaluation/datasets/step_trial.hpp"
+#include "tests/evaluation/datasets/split.hpp"
+#include "sdk/src/recording/import/step_trial.hpp"
 
 namespace wayfuse {
 namespace {

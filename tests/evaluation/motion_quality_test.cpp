@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "tests/evaluation/datasets/step_trial.hpp"
+#include "sdk/src/recording/import/step_trial.hpp"
 #include "tests/evaluation/motion/attitude_score.hpp"
 #include "tests/evaluation/motion/walking_score.hpp"
 

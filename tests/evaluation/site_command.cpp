@@ -5,6 +5,7 @@
 
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
+#include "tests/evaluation/datasets/split.hpp"
 
 namespace wayfuse {
 namespace {

@@ -9,9 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluation/commands.hpp"
-#include "tests/evaluation/datasets/attitude_trial.hpp"
+#include "sdk/src/recording/import/attitude_trial.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
-#include "tests/evaluation/datasets/step_trial.hpp"
+#include "sdk/src/recording/import/step_trial.hpp"
+#include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/motion/walking_score.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/svg_chart.hpp"

@@ -11,6 +11,7 @@
 
 #include "server/pipeline/pipeline_spec.hpp"
 #include "tests/evaluation/commands.hpp"
+#include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
 #include "tests/evaluation/walks/socket_replay.hpp"

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/svg_chart.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 #include "tests/evaluation/walks/survey_cover.hpp"

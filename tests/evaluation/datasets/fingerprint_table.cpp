@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
 
 namespace wayfuse {
 namespace {

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/datasets/recorded_walk.hpp"
+#include "sdk/src/recording/import/floor_label.hpp"
+#include "sdk/src/recording/import/recorded_walk.hpp"
 #include "wayfuse/proto/place.hpp"
 #include "wayfuse/proto/result.hpp"
 
@@ -35,9 +36,5 @@ struct RecordedSite {
 
 /// Reads the folder's plans and lists its walks; `only_floors` keeps the floors with these labels (empty = all).
 Result<RecordedSite> read_site(const std::string& folder, const std::vector<std::string>& only_floors);
-
-/// One ordinal a label, in order, all different: `B2` -2, `B1` -1, `F1` `1F` `L1` `G` 0, `F2` 1. Where a site has a `G`
-/// beside an `L1`, the latter is 1. Labels that say nothing get the free ordinals above the top, in alphabetical order.
-std::vector<FloorOrdinal> floor_ordinals(const std::vector<std::string>& labels);
 
 }  // namespace wayfuse

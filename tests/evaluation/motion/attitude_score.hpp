@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/datasets/attitude_trial.hpp"
+#include "sdk/src/recording/import/attitude_trial.hpp"
 #include "wayfuse/sdk/heading_estimator.hpp"
 
 namespace wayfuse {

@@ -4,7 +4,8 @@
 #include <map>
 #include <set>
 
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
+#include "tests/evaluation/datasets/split.hpp"
 
 namespace wayfuse {
 namespace {

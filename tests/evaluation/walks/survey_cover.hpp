@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/evaluation/datasets/recorded_walk.hpp"
+#include "sdk/src/recording/import/recorded_walk.hpp"
 
 namespace wayfuse {
 

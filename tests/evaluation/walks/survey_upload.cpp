@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "tests/evaluation/datasets/split.hpp"
 #include "wayfuse/sdk/surveyor.hpp"
 
 namespace wayfuse {

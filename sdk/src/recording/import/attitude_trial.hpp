@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/datasets/recorded_walk.hpp"
+#include "sdk/src/recording/import/recorded_walk.hpp"
 #include "wayfuse/proto/result.hpp"
 #include "wayfuse/sdk/heading_estimator.hpp"
 #include "wayfuse/sdk/marg.hpp"

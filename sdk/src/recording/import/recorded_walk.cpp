@@ -1,11 +1,11 @@
-#include "tests/evaluation/datasets/recorded_walk.hpp"
+#include "sdk/src/recording/import/recorded_walk.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
 #include "wayfuse/proto/message.hpp"
 
 namespace wayfuse {
@@ -152,7 +152,7 @@ double RecordedWalk::duration_s() const {
   return way_points.empty() ? 0.0 : seconds(way_points.back().time - way_points.front().time);
 }
 
-Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin) {
+Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin, bool needs_way_points) {
   auto file = TextFile::read(path);
   if (!file) return file.fault();
   RecordedWalk walk;
@@ -177,24 +177,9 @@ Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_orig
                  std::to_string(walk.complaints.size()) + " of " + std::to_string(lines) +
                      " lines do not parse, the first: " + walk.complaints.front()};
   }
-  if (walk.way_points.empty())
+  if (needs_way_points && walk.way_points.empty())
     return Fault{FaultCode::kMalformed, path, "holds no TYPE_WAYPOINT line: nothing to survey or score"};
   return walk;
-}
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;  // offset basis and prime of the 64-bit variant (Fowler, Noll, Vo)
-  for (const char c : text) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 0x100000001b3u;
-  }
-  return hash;
-}
-
-Split split_of(std::string_view walk_id) {
-  const std::uint64_t hash = fnv1a(walk_id);
-  if (hash % 4 == 0) return Split::kTest;
-  return (hash >> 2) % 6 == 0 ? Split::kDevelopment : Split::kSurvey;
 }
 
 }  // namespace wayfuse

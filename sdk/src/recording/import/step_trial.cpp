@@ -1,8 +1,8 @@
-#include "tests/evaluation/datasets/step_trial.hpp"
+#include "sdk/src/recording/import/step_trial.hpp"
 
 #include <filesystem>
 
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
 
 namespace wayfuse {
 

@@ -1,4 +1,4 @@
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
 
 #include <cmath>
 #include <fstream>

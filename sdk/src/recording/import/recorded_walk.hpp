@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "wayfuse/proto/place.hpp"
@@ -51,13 +50,7 @@ struct RecordedWalk {
 /// Reads one trace file; way points are shifted by `floor_origin` into the building's frame.
 ///
 /// Lines of other types (beacons, ranging) are passed over, lines that do not parse are left out and named in
-/// `complaints`; kMalformed if they are more than one in twenty, or if the file holds no way point.
-Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin);
-
-/// Which part of the data a walk belongs to, by the 64-bit FNV-1a hash of its id: a quarter tests, the rest surveys, and a
-/// sixth of the survey is set apart as the development split. Nothing is ever tuned on kTest.
-enum class Split : std::uint8_t { kSurvey, kDevelopment, kTest };
-std::uint64_t fnv1a(std::string_view text);
-Split split_of(std::string_view walk_id);
+/// `complaints`; kMalformed if they are more than one in twenty, or if the file holds no way point where some are needed.
+Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin, bool needs_way_points = true);
 
 }  // namespace wayfuse

@@ -1,4 +1,4 @@
-#include "tests/evaluation/datasets/attitude_trial.hpp"
+#include "sdk/src/recording/import/attitude_trial.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <map>
 
-#include "tests/evaluation/datasets/text_line.hpp"
+#include "sdk/src/recording/import/text_line.hpp"
 
 namespace wayfuse {
 namespace {
