@@ -23,6 +23,10 @@ constexpr double kStrange = 2.5;               // mismatch: the scan belongs to 
 constexpr int kImplausible = 3;              // strong radios out of place: no accident
 constexpr double kDoubtMemory = 0.6;         // of the last scans' fit and disagreement in the running mean
 constexpr double kRenewedOnNewFloor = 0.7;
+constexpr double kRenewedWhenLost = 0.5;
+constexpr double kFewAgree = 0.25;           // of the cloud with a scan
+constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
+constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
 constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
@@ -86,6 +90,7 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       scans_at_rest_(other.scans_at_rest_),
       foreign_floor_(other.foreign_floor_),
       heard_scans_(other.heard_scans_),
+      scans_elsewhere_(other.scans_elsewhere_),
       mismatch_(other.mismatch_),
       implausible_(other.implausible_),
       from_(other.from_) {}
@@ -154,8 +159,8 @@ void FieldTracker::feed(const RssScan& scan) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
   } else if (informative() || climbed) {
     if (climbed) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
-    cloud_.weigh(*locator_, *floor_, carried);
-    cloud_.renew(parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
+    const bool lost = elsewhere(cloud_.weigh(*locator_, *floor_, carried));
+    cloud_.renew(lost ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   take_stock(carried);
@@ -166,6 +171,15 @@ void FieldTracker::feed(const RssScan& scan) {
 void FieldTracker::take_stock(BuildingPoint carried) {
   mismatch_ = heard_scans_ == 1 ? locator_->mismatch() : kDoubtMemory * mismatch_ + (1.0 - kDoubtMemory) * locator_->mismatch();
   implausible_ = cloud_.started() ? locator_->implausible(*floor_, minus(cloud_.spread().mean, carried)) : 0;
+}
+
+// Scan after scan speaks for another place than the cloud's [SAFETY C16].
+bool FieldTracker::elsewhere(double agreeing) {
+  const bool trusted = locator_->mismatch() < kFits;  // where nobody surveyed, scans speak for wherever it is least unlike
+  scans_elsewhere_ = trusted && agreeing < kFewAgree ? scans_elsewhere_ + 1 : 0;
+  if (scans_elsewhere_ < kScansElsewhere) return false;
+  scans_elsewhere_ = 0;
+  return true;
 }
 
 // A phone at rest hears the same again and again: after a few scans there is nothing to learn.

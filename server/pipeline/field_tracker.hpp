@@ -44,6 +44,7 @@ class FieldTracker final : public Tracker {
   void walk(const MotionReport& motion, double dt_s, double dx_m, double dy_m);
   bool believe_floors();
   bool informative();
+  bool elsewhere(double agreeing);
   void take_stock(BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
 
@@ -66,6 +67,7 @@ class FieldTracker final : public Tracker {
   int scans_at_rest_ = 0;
   int foreign_floor_ = 0;
   int heard_scans_ = 0;
+  int scans_elsewhere_ = 0;        ///< in a row
   double mismatch_ = 1.0;          ///< smoothed over scans
   int implausible_ = 0;            ///< strong radios of the newest scan that the survey does not hear about here
   Contributions from_;

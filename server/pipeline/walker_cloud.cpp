@@ -10,6 +10,7 @@ namespace wayfuse {
 namespace {
 
 constexpr float kOutsidePenalty = 8.0f;      // log weight: a step through a wall is nearly impossible
+constexpr float kAgree = 6.0f;                // log-likelihood below the best walker's: farther off is another place
 constexpr float kJitter_m = 0.15f;           // keeps copies of one particle apart
 constexpr float kStrideJitter = 0.004f;
 constexpr double kResampleBelow = 0.5;       // of the particles, effective size
@@ -145,7 +146,7 @@ void WalkerCloud::resample(Random& random) {
   }
 }
 
-void WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
+double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
@@ -157,12 +158,16 @@ void WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoin
   locator.add_log_likelihood(x_then_m_, y_then_m_, floor, gained_);
   float best = -INFINITY;
   for (const float each : gained_) best = std::isfinite(each) ? std::max(best, each) : best;
-  if (!std::isfinite(best)) return;
+  if (!std::isfinite(best)) return 1.0;
+  double agree = 0.0;
   const auto weight = static_cast<float>(settings_.weight), outlier = static_cast<float>(settings_.outlier);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    cloud_.log_weight()[i] += weight * std::log(std::exp(gained_[i] - best) + outlier);
+    const float share = std::exp(gained_[i] - best);
+    if (gained_[i] > best - kAgree) agree += std::exp(static_cast<double>(cloud_.log_weight()[i]));
+    cloud_.log_weight()[i] += weight * std::log(share + outlier);
   }
   cloud_.normalise();
+  return agree;
 }
 
 // Some particles begin again where the scan says. They weigh as much as an average one.

@@ -58,7 +58,8 @@ class WalkerCloud {
   /// One interval: displacement by the phone, its sigma per axis, the time spent on foot.
   void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
   /// Weighs by the scan where each walker was when it was heard, then draws `share` of them anew from it.
-  void weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried);
+  /// Answers the share of the cloud, as it was, that the scan agrees with nearly as much as with the best walker.
+  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried);
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "server/pipeline/tracker.hpp"
@@ -108,9 +110,14 @@ TEST(FieldTracker, FollowsAPhoneWhoseHeadingHasNoOrigin) {
 
 TEST(FieldTracker, FindsBackFromAWrongStartWithinFifteenSeconds) {
   const KnownStart wrong{{{0.0, kSide_m}, FloorOrdinal{1}}, 0.5, std::nullopt};
-  const auto tracker = default_pipeline()->make_tracker(Random(3), wrong);
-  walk(*tracker, 0.0, 15.0, 0.0);
-  EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(15.0)))->place.point, around(kSpeedMps * 15.0)), 10.0);
+  std::vector<double> errors_m;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const auto tracker = default_pipeline()->make_tracker(Random(seed), wrong);
+    walk(*tracker, 0.0, 15.0, 0.0);
+    errors_m.push_back(distance_m(tracker->position(PhoneTime(from_seconds(15.0)))->place.point, around(kSpeedMps * 15.0)));
+  }
+  std::ranges::sort(errors_m);
+  EXPECT_LT(errors_m[37], 10.0) << "95 % [SAFETY R19]; median " << errors_m[19];
 }
 
 TEST(FieldTracker, APhoneLyingStillStaysWhereItIs) {
