@@ -9,16 +9,6 @@ namespace {
 
 constexpr double kLeastDistance = 1e-3;  // dB: an exact match outweighs the others, it does not divide by zero
 
-struct Neighbour {
-  double distance;                 // powered first, rooted when chosen
-  std::uint32_t point;
-  double weight;
-  // The order is total, so that ties never depend on the order of the survey's memory.
-  bool operator<(const Neighbour& other) const {
-    return distance != other.distance ? distance < other.distance : point < other.point;
-  }
-};
-
 class NearestNeighboursLocator final : public Locator {
  public:
   explicit NearestNeighboursLocator(const NearestNeighbours& model) : model_(model) {}
@@ -31,39 +21,34 @@ class NearestNeighboursLocator final : public Locator {
     const RadioMap& map = model_.distance().map();
     map.know(scan, scan_);
     if (scan_.levels.empty()) return std::nullopt;
-    distances_.resize(map.points().size());
-    model_.distance().powered(scan_, distances_);
-    choose([](const MapPoint&) { return true; });
+    model_.distance().approximate(scan_, distances_);
+    choose(0, static_cast<std::uint32_t>(map.points().size()));
     vote();
     const FloorOrdinal floor = floors_.front().floor;
-    if (floors_.front().probability < 1.0) choose([&](const MapPoint& point) { return point.place.floor == floor; });
+    if (floors_.front().probability < 1.0) {
+      const auto on_floor = map.points_on(floor);
+      choose(on_floor.begin, on_floor.end);
+    }
     return mean(floor);
   }
 
  private:
-  // The k nearest points that `may` stand for, with their weights.
-  void choose(const auto& may) {
-    const auto points = model_.distance().map().points();
-    const auto k = static_cast<std::size_t>(model_.settings().k);
+  struct Chosen {
+    std::uint32_t point;
+    double weight;
+  };
+
+  // The k nearest of the points begin .. end - 1, with their weights.
+  void choose(std::uint32_t begin, std::uint32_t end) {
+    model_.distance().nearest(scan_, distances_, static_cast<std::size_t>(model_.settings().k), begin, end, nearest_);
     chosen_.clear();
-    for (std::uint32_t j = 0; j < points.size(); ++j) {
-      if (!may(points[j])) continue;
-      const Neighbour neighbour{distances_[j], j, 1.0};
-      if (chosen_.size() == k) {
-        if (!(neighbour < chosen_.front())) continue;
-        std::ranges::pop_heap(chosen_, std::less<>{});
-        chosen_.pop_back();
-      }
-      chosen_.push_back(neighbour);
-      std::ranges::push_heap(chosen_, std::less<>{});
-    }
     double sum = 0.0;
-    for (Neighbour& neighbour : chosen_) {
-      neighbour.distance = model_.distance().root(neighbour.distance);
-      if (model_.settings().weighted) neighbour.weight = 1.0 / std::max(neighbour.distance, kLeastDistance);
-      sum += neighbour.weight;
+    for (const RssDistance::Neighbour& neighbour : nearest_) {
+      const double distance = std::max(model_.distance().root(neighbour.powered), kLeastDistance);
+      chosen_.push_back({neighbour.point, model_.settings().weighted ? 1.0 / distance : 1.0});
+      sum += chosen_.back().weight;
     }
-    for (Neighbour& neighbour : chosen_) neighbour.weight /= sum;
+    for (Chosen& neighbour : chosen_) neighbour.weight /= sum;
   }
 
   void vote() {
@@ -71,7 +56,7 @@ class NearestNeighboursLocator final : public Locator {
     floors_.clear();
     for (const FloorOrdinal floor : map.floors()) {
       double share = 0.0;
-      for (const Neighbour& neighbour : chosen_) {
+      for (const Chosen& neighbour : chosen_) {
         if (map.points()[neighbour.point].place.floor == floor) share += neighbour.weight;
       }
       if (share > 0.0) floors_.push_back({floor, share});
@@ -83,11 +68,11 @@ class NearestNeighboursLocator final : public Locator {
   Fix mean(FloorOrdinal floor) const {
     const auto points = model_.distance().map().points();
     double x_m = 0.0, y_m = 0.0, scatter_m2 = 0.0;
-    for (const Neighbour& neighbour : chosen_) {
+    for (const Chosen& neighbour : chosen_) {
       x_m += neighbour.weight * points[neighbour.point].place.point.x_m;
       y_m += neighbour.weight * points[neighbour.point].place.point.y_m;
     }
-    for (const Neighbour& neighbour : chosen_) {
+    for (const Chosen& neighbour : chosen_) {
       const double d_m = distance_m(points[neighbour.point].place.point, {x_m, y_m});
       scatter_m2 += 0.5 * neighbour.weight * d_m * d_m;
     }
@@ -96,8 +81,9 @@ class NearestNeighboursLocator final : public Locator {
 
   const NearestNeighbours& model_;  // outlives its locators: the tracker's factory holds both
   KnownScan scan_;
-  std::vector<double> distances_;
-  std::vector<Neighbour> chosen_;   // a heap while choosing
+  RssDistance::Approximate distances_;
+  std::vector<RssDistance::Neighbour> nearest_;
+  std::vector<Chosen> chosen_;
   std::vector<FloorProbability> floors_;
 };
 

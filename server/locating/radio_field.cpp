@@ -36,9 +36,11 @@ std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<Radi
 
 void RadioField::take(SurveyReading reading) {
   radios_ = std::move(reading.radios);
-  fingerprints_ = std::move(reading.fingerprints);
+  std::vector<Place> places;
+  for (const SurveyFingerprint& fingerprint : reading.fingerprints) places.push_back(fingerprint.place);
+  fingerprints_.clear();
+  for (const std::uint32_t i : space_filling_order(places)) fingerprints_.push_back(std::move(reading.fingerprints[i]));
   queries_ = std::move(reading.queries);
-  std::ranges::stable_sort(fingerprints_, {}, [](const SurveyFingerprint& f) { return f.place.floor; });
   storeys_.clear();
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     const FloorOrdinal floor = fingerprints_[i].place.floor;
@@ -51,23 +53,20 @@ void RadioField::take(SurveyReading reading) {
 }
 
 void RadioField::index_fingerprints() {
+  std::vector<LevelBlocks::Level> levels;
   sum_.assign(fingerprints_.size(), 0.0f);
   norm_.assign(fingerprints_.size(), 0.0f);
-  first_posting_.assign(radios_.size() + 1, 0);
-  for (const SurveyFingerprint& fingerprint : fingerprints_) {
-    for (const RadioStrength& heard : fingerprint.heard) first_posting_[heard.radio + 1]++;
-  }
-  for (std::size_t r = 1; r < first_posting_.size(); ++r) first_posting_[r] += first_posting_[r - 1];
-  postings_.resize(first_posting_.back());
-  std::vector<std::uint32_t> next(first_posting_.begin(), first_posting_.end() - 1);
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     for (const RadioStrength& heard : fingerprints_[i].heard) {
-      postings_[next[heard.radio]++] = {i, heard.strength};
+      levels.push_back({i, heard.radio, heard.strength});
       sum_[i] += heard.strength;
       norm_[i] += heard.strength * heard.strength;
     }
     norm_[i] = std::sqrt(norm_[i]);
   }
+  blocks_ = LevelBlocks(fingerprints_.size(), radios_.size(), levels);
+  sum_.resize(blocks_.padded());
+  norm_.resize(blocks_.padded());
 }
 
 void RadioField::lay_lattice() {
@@ -139,18 +138,8 @@ void RadioField::find_middles() {
 void RadioField::match(std::span<const RadioStrength> heard, float sum, float norm, Scratch& scratch) const {
   std::ranges::fill(scratch.common, 0.0f);
   std::ranges::fill(scratch.product, 0.0f);
-  for (const RadioStrength& level : heard) {
-    const std::span<const Posting> postings(postings_.data() + first_posting_[level.radio],
-                                            first_posting_[level.radio + 1] - first_posting_[level.radio]);
-    for (const Posting& posting : postings) {
-      scratch.common[posting.fingerprint] += std::min(level.strength, posting.strength);
-      scratch.product[posting.fingerprint] += level.strength * posting.strength;
-    }
-  }
-  for (std::size_t i = 0; i < fingerprints_.size(); ++i) {
-    scratch.sorensen[i] = 1.0f - 2.0f * scratch.common[i] / (sum + sum_[i]);
-    scratch.cosine[i] = 1.0f - scratch.product[i] / (norm * norm_[i]);
-  }
+  for (const RadioStrength& level : heard) blocks_.add_overlaps_and_products(level.radio, level.strength, scratch.common, scratch.product);
+  similarity_distances(sum, sum_, scratch.common, scratch.sorensen, norm, norm_, scratch.product, scratch.cosine);
   if (++scratch.scan == 0) {  // numbers ran out: no stale node may look fresh
     std::ranges::fill(scratch.known, 0u);
     scratch.scan = 1;
@@ -188,12 +177,12 @@ RadioField::Pair RadioField::node(std::uint32_t number, const Scratch& scratch, 
 }
 
 bool RadioField::heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const {
-  for (std::uint32_t p = first_posting_[radio]; p < first_posting_[radio + 1]; ++p) {
-    const Posting& posting = postings_[p];
-    if (posting.strength < least_strength || posting.fingerprint < storey.begin || posting.fingerprint >= storey.end) continue;
-    if (distance_m(fingerprints_[posting.fingerprint].place.point, point) < around_m) return true;
-  }
-  return false;
+  bool heard = false;
+  blocks_.for_each_level(radio, [&](std::uint32_t i, float strength) {
+    heard = heard || (strength >= least_strength && i >= storey.begin && i < storey.end &&
+                      distance_m(fingerprints_[i].place.point, point) < around_m);
+  });
+  return heard;
 }
 
 std::unique_ptr<RadioField::Scratch> RadioField::borrow() const {
@@ -207,7 +196,7 @@ std::unique_ptr<RadioField::Scratch> RadioField::borrow() const {
   }
   auto scratch = std::make_unique<Scratch>();
   for (auto* column : {&scratch->common, &scratch->product, &scratch->sorensen, &scratch->cosine}) {
-    column->resize(fingerprints_.size());
+    column->resize(blocks_.padded());
   }
   scratch->level.resize(nodes());
   scratch->known.resize(nodes());

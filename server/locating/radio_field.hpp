@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/locating/catalogue.hpp"
+#include "server/locating/level_blocks.hpp"
 #include "server/locating/survey_fingerprints.hpp"
 
 namespace wayfuse {
@@ -108,17 +109,12 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   RadioFieldSettings settings_;
   FieldWeights weights_;
   RadioNames radios_;
-  std::vector<SurveyFingerprint> fingerprints_;  // ascending by floor
+  std::vector<SurveyFingerprint> fingerprints_;  // floor by floor along a space-filling curve
   std::vector<SurveyQuery> queries_;
   std::vector<Storey> storeys_;
-  std::vector<float> sum_;                       // a fingerprint
+  std::vector<float> sum_;                       // a fingerprint; then up to a whole block
   std::vector<float> norm_;
-  std::vector<std::uint32_t> first_posting_;     // a radio, and one past the end
-  struct Posting {
-    std::uint32_t fingerprint;
-    float strength;
-  };
-  std::vector<Posting> postings_;
+  LevelBlocks blocks_;                           // strengths, fingerprints x radios
   std::vector<std::uint32_t> first_kernel_;      // a node, and one past the end
   std::vector<Kernel> kernels_;
   mutable std::mutex mutex_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "server/locating/level_blocks.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -79,7 +81,9 @@ std::shared_ptr<const RadioMap> RadioMap::build(std::span<const ReferencePoint> 
   const auto [first, last] = std::ranges::unique(map->transmitters_);
   map->transmitters_.erase(first, last);
 
-  for (std::size_t i = 0; i < kept.size(); ++i) {
+  std::vector<Place> places;
+  for (const ReferencePoint* point : kept) places.push_back(point->place);
+  for (const std::uint32_t i : space_filling_order(places)) {
     if (sums[i].empty()) continue;
     MapPoint point{kept[i]->place, static_cast<std::uint32_t>(map->levels_.size()), static_cast<std::uint32_t>(sums[i].size()),
                    static_cast<std::uint16_t>(std::min<std::size_t>(kept[i]->scans.size(), 65535))};
@@ -91,6 +95,11 @@ std::shared_ptr<const RadioMap> RadioMap::build(std::span<const ReferencePoint> 
   const auto [floor_first, floor_last] = std::ranges::unique(map->floors_);
   map->floors_.erase(floor_first, floor_last);
   return map;
+}
+
+RadioMap::Range RadioMap::points_on(FloorOrdinal floor) const {
+  const auto on = std::ranges::equal_range(points_, floor, {}, [](const MapPoint& point) { return point.place.floor; });
+  return {static_cast<std::uint32_t>(on.begin() - points_.begin()), static_cast<std::uint32_t>(on.end() - points_.begin())};
 }
 
 std::optional<std::uint32_t> RadioMap::index_of(Bssid bssid) const {

@@ -41,6 +41,7 @@ struct KnownScan {
 
 /// The survey as a sparse table: points x transmitters, only what was heard.
 ///
+/// Points stand floor by floor along a space-filling curve, whatever the survey's order: what is near lies together.
 /// A transmitter missing from a point is *unknown there*, not a number: every locator says itself what it makes of that.
 /// Locally administered addresses that a single point heard are dropped (phones' hot spots pass by), others stay: large networks
 /// derive most of theirs that way. Readings that are not finite are dropped.
@@ -57,6 +58,11 @@ class RadioMap {
   std::span<const MapLevel> levels(const MapPoint& point) const { return levels().subspan(point.first, point.count); }
   /// Floors that have points, ascending.
   std::span<const FloorOrdinal> floors() const { return floors_; }
+  struct Range {
+    std::uint32_t begin = 0;       ///< points begin .. end - 1
+    std::uint32_t end = 0;
+  };
+  Range points_on(FloorOrdinal floor) const;
   std::optional<std::uint32_t> index_of(Bssid bssid) const;
   /// Fills `out` without allocating once it has grown. A transmitter read twice counts with its youngest reading.
   void know(const RssScan& scan, KnownScan& out) const;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/locating/level_blocks.hpp"
 #include "server/locating/radio_map.hpp"
 
 namespace wayfuse {
@@ -14,37 +15,55 @@ struct RssDistanceSettings {
   double floor_dbm = -100.0;       ///< level assumed for a transmitter heard on one side only
 };
 
-/// Minkowski distances in signal space from one scan to every point of a map.
+/// Minkowski distances in signal space from one scan to every point of a map, and the nearest points.
 ///
 /// D_j = (sum_i |rss_i - RSS_ji|^a)^(1/a) over every transmitter the map knows that is heard in the scan, at the point, or
 /// both [P1 eq. 1, P2]; heard on one side only counts as `floor_dbm` on the other. Transmitters the map does not know
 /// count nowhere: they add the same to every D_j^a.
 ///
-/// Exact and sparse: D_j^a = |point j against silence| + sum over the scan of (|s-r|^a - |r-floor|^a) where j hears it, else
-/// |s-floor|^a; an inverted index touches only the points that hear something in common. Immutable, shared.
+/// With levels above the floor, S of the scan and R of the point, |S-R|^a = |S|^a + |R|^a - 2 shared, where shared is S R for
+/// a = 2 and the overlap for a = 1: only what both sides hear has to be looked at. That runs over LevelBlocks in single precision
+/// with a known bound on its rounding; whoever may be among the nearest within the bound is measured again by the definition
+/// in double precision, so that nearest() is exact. Immutable, shared.
 class RssDistance {
  public:
   RssDistance(std::shared_ptr<const RadioMap> map, const RssDistanceSettings& settings);
 
   const RadioMap& map() const { return *map_; }
-  /// Writes D_j^a, no root taken, for every point; `out` has one entry a point.
-  void powered(const KnownScan& scan, std::span<double> out) const;
+
+  /// D_j^a of every point to within `bound`; memory that is kept from scan to scan.
+  struct Approximate {
+    std::vector<float> powered;    // a point, then up to a whole block
+    std::vector<float> least;      // a block
+    std::vector<float> shared;
+    std::vector<float> overlaps;
+    float bound = 0.0f;
+  };
+  void approximate(const KnownScan& scan, Approximate& out) const;
+
+  struct Neighbour {
+    std::uint32_t point = 0;
+    double powered = 0.0;          ///< D^a, exact
+    /// Total, so that ties never depend on the survey's order in memory.
+    bool operator<(const Neighbour& other) const {
+      return powered != other.powered ? powered < other.powered : point < other.point;
+    }
+  };
+  /// The k nearest points of begin .. end - 1, ascending; `found` is all memory it needs.
+  void nearest(const KnownScan& scan, const Approximate& approximate, std::size_t k, std::uint32_t begin, std::uint32_t end,
+               std::vector<Neighbour>& found) const;
+  /// D_j^a of one point by the definition.
+  double powered(const KnownScan& scan, std::uint32_t point) const;
   double root(double powered) const;
 
  private:
   double power(double difference) const;
-  template <typename Power>
-  void accumulate(const KnownScan& scan, std::span<double> out, const Power& power) const;
 
-  struct Heard {
-    std::uint32_t point;
-    float mean_dbm;
-  };
   std::shared_ptr<const RadioMap> map_;
   RssDistanceSettings settings_;
-  std::vector<double> against_silence_;      // a point
-  std::vector<std::uint32_t> first_heard_;   // a transmitter, and one past the end
-  std::vector<Heard> heard_;
+  LevelBlocks blocks_;                       // levels above the floor
+  std::vector<float> against_silence_;       // a point, then infinite up to a whole block
+  double most_against_silence_ = 0.0;
 };
 
 }  // namespace wayfuse

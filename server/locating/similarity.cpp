@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "server/locating/nearest_neighbours.hpp"
 
@@ -91,7 +90,7 @@ class SimilarityLocator final : public Locator {
   const Similarity& model_;  // outlives its locators: the tracker's factory holds both
   KnownScan scan_;
   std::vector<float> distances_;
-  std::vector<float> sums_;
+  Similarity::Sums sums_;
   std::vector<std::uint32_t> nearest_;
   std::vector<FloorProbability> floors_;
 };
@@ -100,23 +99,22 @@ class SimilarityLocator final : public Locator {
 
 Similarity::Similarity(std::shared_ptr<const RadioMap> map, const SimilaritySettings& settings)
     : map_(std::move(map)), settings_(settings), least_sigma_m_(half_spacing_m(*map_)) {
-  first_heard_.assign(map_->transmitters().size() + 1, 0);
-  for (const MapLevel& level : map_->levels()) ++first_heard_[level.transmitter + 1];
-  std::partial_sum(first_heard_.begin(), first_heard_.end(), first_heard_.begin());
-  heard_.resize(map_->levels().size());
-  std::vector<std::uint32_t> next(first_heard_.begin(), first_heard_.end() - 1);
+  std::vector<LevelBlocks::Level> levels;
   const auto points = map_->points();
   for (std::uint32_t j = 0; j < points.size(); ++j) {
     float total = 0.0f, squares = 0.0f;
     for (const MapLevel& level : map_->levels(points[j])) {
       const float v = loudness(level.mean_dbm);
-      heard_[next[level.transmitter]++] = {j, v};
+      levels.push_back({j, level.transmitter, v});
       total += v;
       squares += v * v;
     }
     total_.push_back(total);
     norm_.push_back(std::sqrt(squares));
   }
+  blocks_ = LevelBlocks(points.size(), map_->transmitters().size(), levels);
+  total_.resize(blocks_.padded());
+  norm_.resize(blocks_.padded());
 }
 
 std::unique_ptr<Locator> Similarity::make() const {
@@ -128,36 +126,28 @@ float Similarity::loudness(double rss_dbm) const {
   return static_cast<float>(std::pow(above, settings_.power));
 }
 
-void Similarity::distances(const KnownScan& scan, std::vector<float>& out, std::vector<float>& sums) const {
-  out.assign(total_.size(), kNothingInCommon);
+void Similarity::distances(const KnownScan& scan, std::vector<float>& out, Sums& sums) const {
+  out.assign(map_->points().size(), kNothingInCommon);
+  for (auto* column : {&sums.overlaps, &sums.products, &sums.sorensen, &sums.cosine}) column->resize(blocks_.padded());
   const int steps = static_cast<int>(std::floor(settings_.offset_most_db / kOffsetStep_db));
   for (int step = -steps; step <= steps; ++step) lower_distances(scan, step * kOffsetStep_db, out, sums);
 }
 
-void Similarity::lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out,
-                                 std::vector<float>& sums) const {
-  const std::size_t points = total_.size();
-  sums.assign(2 * points, 0.0f);
-  float* const shared = sums.data();            // sum of min(u, v)
-  float* const product = sums.data() + points;  // sum of u v
+void Similarity::lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out, Sums& sums) const {
+  std::ranges::fill(sums.overlaps, 0.0f);
+  std::ranges::fill(sums.products, 0.0f);
   float total = 0.0f, squares = 0.0f;
   for (const KnownScan::Level& level : scan.levels) {
     const float u = loudness(level.rss_dbm + offset_db);
     if (u <= 0.0f) continue;
     total += u;
     squares += u * u;
-    for (std::uint32_t h = first_heard_[level.transmitter]; h < first_heard_[level.transmitter + 1]; ++h) {
-      shared[heard_[h].point] += std::min(u, heard_[h].loudness);
-      product[heard_[h].point] += u * heard_[h].loudness;
-    }
+    blocks_.add_overlaps_and_products(level.transmitter, u, sums.overlaps, sums.products);
   }
-  const float norm = std::sqrt(squares);
+  similarity_distances(total, total_, sums.overlaps, sums.sorensen, std::sqrt(squares), norm_, sums.products, sums.cosine);
   const auto mix = static_cast<float>(settings_.cosine);
-  for (std::size_t j = 0; j < points; ++j) {
-    if (shared[j] <= 0.0f) continue;
-    const float sorensen = 1.0f - 2.0f * shared[j] / (total + total_[j]);
-    const float cosine = 1.0f - product[j] / (norm * norm_[j]);
-    out[j] = std::min(out[j], (1.0f - mix) * sorensen + mix * cosine);
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    if (sums.overlaps[j] > 0.0f) out[j] = std::min(out[j], (1.0f - mix) * sums.sorensen[j] + mix * sums.cosine[j]);
   }
 }
 

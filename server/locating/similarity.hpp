@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/locating/catalogue.hpp"
+#include "server/locating/level_blocks.hpp"
 
 namespace wayfuse {
 
@@ -33,27 +34,25 @@ class Similarity final : public LocatorModel {
 
   /// How much of a level is above the floor, 0..1.
   float loudness(double rss_dbm) const;
-  /// Mixed distances, 0..1, from a scan to every point, the least over the offsets; `sums` is room for two sums a point.
-  void distances(const KnownScan& scan, std::vector<float>& out, std::vector<float>& sums) const;
+  /// Mixed distances, 0..1, from a scan to every point, the least over the offsets.
+  struct Sums {                     ///< memory that is kept from scan to scan
+    std::vector<float> overlaps, products, sorensen, cosine;
+  };
+  void distances(const KnownScan& scan, std::vector<float>& out, Sums& sums) const;
 
   const RadioMap& map() const { return *map_; }
   const SimilaritySettings& settings() const { return settings_; }
   double least_sigma_m() const { return least_sigma_m_; }
 
  private:
-  void lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out, std::vector<float>& sums) const;
+  void lower_distances(const KnownScan& scan, double offset_db, std::vector<float>& out, Sums& sums) const;
 
-  struct Heard {
-    std::uint32_t point;
-    float loudness;
-  };
   std::shared_ptr<const RadioMap> map_;
   SimilaritySettings settings_;
   double least_sigma_m_ = 1.0;
-  std::vector<float> total_;                // a point: sum of its loudness
-  std::vector<float> norm_;                 // a point: root of the sum of squares
-  std::vector<std::uint32_t> first_heard_;  // a transmitter, and one past the end
-  std::vector<Heard> heard_;
+  LevelBlocks blocks_;              // loudness
+  std::vector<float> total_;        // a point: sum of its loudness; then up to a whole block
+  std::vector<float> norm_;         // a point: root of the sum of squares
 };
 
 }  // namespace wayfuse

@@ -146,12 +146,15 @@ void match_wayfuse(benchmark::State& state) {
   const MatchWorld& world = match_world(static_cast<std::size_t>(state.range(0)), static_cast<std::size_t>(state.range(1)));
   const RssDistance distance(world.map, {2.0, -100.0});
   KnownScan known;
-  std::vector<double> powered(world.map->points().size());
+  RssDistance::Approximate approximate;
+  std::vector<RssDistance::Neighbour> nearest;
+  const auto points = static_cast<std::uint32_t>(world.map->points().size());
   std::size_t turn = 0;
   for (auto _ : state) {
     world.map->know(world.scans[turn++ % world.scans.size()], known);
-    distance.powered(known, powered);
-    benchmark::DoNotOptimize(std::ranges::min_element(powered));
+    distance.approximate(known, approximate);
+    distance.nearest(known, approximate, 1, 0, points, nearest);
+    benchmark::DoNotOptimize(nearest.front());
   }
 }
 BENCHMARK(match_wayfuse)->Args({10000, 500})->Args({100000, 2000})->Unit(benchmark::kMicrosecond);

@@ -42,11 +42,11 @@ double distance_by_definition(const RadioMap& map, const MapPoint& point, const 
 TEST(RssDistance, EqualsItsDefinitionOnRandomSparseMaps) {
   Random random(5);
   for (const double exponent : {1.0, 2.0, 3.0}) {
-    std::vector<ReferencePoint> survey(40);
+    std::vector<ReferencePoint> survey(50);
     const auto readings = [&] {
       std::vector<ScanReading> made;
       for (std::uint64_t bssid = 1; bssid <= 30; ++bssid) {
-        if (random.uniform() < 0.3) made.push_back({Bssid{bssid}, std::round(-95.0 + 60.0 * random.uniform()), {}, 0, {}, {}});
+        if (random.uniform() < 0.3) made.push_back({Bssid{bssid}, std::round(-104.0 + 69.0 * random.uniform()), {}, 0, {}, {}});
       }
       made.push_back({Bssid{100 + random.below(2)}, -60.0, {}, 0, {}, {}});
       return made;
@@ -57,11 +57,21 @@ TEST(RssDistance, EqualsItsDefinitionOnRandomSparseMaps) {
     const RssScan scan{PhoneTime{}, readings()};
     KnownScan known;
     map->know(scan, known);
-    std::vector<double> found(map->points().size());
-    distance.powered(known, found);
-    for (std::size_t j = 0; j < found.size(); ++j) {
+    RssDistance::Approximate found;
+    distance.approximate(known, found);
+    std::vector<RssDistance::Neighbour> all;
+    for (std::uint32_t j = 0; j < map->points().size(); ++j) {
       const double expected = distance_by_definition(*map, map->points()[j], scan, exponent, -100.0);
-      EXPECT_NEAR(found[j], expected, 1e-9 * std::max(1.0, expected)) << "exponent " << exponent;
+      EXPECT_NEAR(distance.powered(known, j), expected, 1e-9 * std::max(1.0, expected)) << "exponent " << exponent;
+      EXPECT_NEAR(found.powered[j], expected, found.bound) << "exponent " << exponent;
+      all.push_back({j, distance.powered(known, j)});
+    }
+    std::ranges::sort(all, std::less<>{});
+    for (const std::size_t k : {1u, 5u, 50u, 64u}) {
+      std::vector<RssDistance::Neighbour> nearest;
+      distance.nearest(known, found, k, 0, static_cast<std::uint32_t>(all.size()), nearest);
+      ASSERT_EQ(nearest.size(), std::min(k, all.size()));
+      for (std::size_t i = 0; i < nearest.size(); ++i) EXPECT_EQ(nearest[i].point, all[i].point) << "exponent " << exponent;
     }
   }
 }

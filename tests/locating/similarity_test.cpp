@@ -30,7 +30,8 @@ TEST(Similarity, DistancesFollowTheFormulas) {
   const Similarity model(RadioMap::build(survey), settings);
   KnownScan scan;
   model.map().know(heard({{1, -60}, {2, -50}}), scan);
-  std::vector<float> distances, room;
+  std::vector<float> distances;
+  Similarity::Sums room;
   model.distances(scan, distances, room);
   // u = (0.4, 0.5), v = (0.5, 0.25): shared 0.4 + 0.25, totals 0.9 + 0.75; product 0.2 + 0.125, norms sqrt(0.41), sqrt(0.3125).
   const double sorensen = 1 - 2 * 0.65 / 1.65;
