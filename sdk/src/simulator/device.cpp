@@ -24,12 +24,12 @@ Device model(const char* name, double offset_db, double gain, double sensitivity
 
 const std::vector<Device>& device_models() {
   //                                                   offset  gain  hears to   rate  noise  barometer
-  static const std::vector<Device> models = {model("stand-in A", 0.0, 1.00, -93, 100, 1.0, true),
-                                             model("stand-in B", -4.0, 0.95, -92, 50, 1.0, true),
-                                             model("stand-in C", -1.5, 0.90, -91, 50, 1.5, false),
-                                             model("stand-in D", 3.5, 1.10, -94, 200, 0.7, true),
-                                             model("stand-in E", -7.0, 0.80, -95, 50, 2.5, false),
-                                             model("stand-in F", 1.0, 1.00, -90, 50, 1.0, false)};
+  static const std::vector<Device> models = {model("stand-in A", 0.0, 1.00, -91, 100, 1.0, true),
+                                             model("stand-in B", -4.0, 0.95, -90, 50, 1.0, true),
+                                             model("stand-in C", -1.5, 0.90, -89, 50, 1.5, false),
+                                             model("stand-in D", 3.5, 1.10, -92, 200, 0.7, true),
+                                             model("stand-in E", -7.0, 0.80, -92, 50, 2.5, false),
+                                             model("stand-in F", 1.0, 1.00, -88, 50, 1.0, false)};
   return models;
 }
 

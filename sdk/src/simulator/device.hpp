@@ -14,8 +14,8 @@ struct Device {
   std::string model = "stand-in";
   double rss_offset_db = 0.0;          ///< against the surveyor's phone, at -65 dBm
   double rss_gain = 1.0;               ///< how far its levels spread about -65 dBm, 0.5..1.5
-  double rss_noise_db = 2.0;           ///< 1 sigma a reading, before rounding to whole dBm
-  double sensitivity_dbm = -92.0;      ///< half of the frames at this level are heard
+  double rss_noise_db = 1.2;           ///< 1 sigma a reading, before rounding to whole dBm
+  double sensitivity_dbm = -90.0;      ///< half of the frames at this level are heard
   double acceleration_noise_mps2 = 0.03;
   double gyro_noise_radps = 0.003;
   Vector3 gyro_bias_radps;

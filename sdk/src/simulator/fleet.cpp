@@ -7,6 +7,7 @@
 
 #include "sdk/src/simulator/live_table.hpp"
 #include "sdk/src/simulator/scaled_scheduler.hpp"
+#include "sdk/src/simulator/stand_in_phone.hpp"
 #include "sdk/src/simulator/surveying.hpp"
 #include "sdk/src/simulator/tracked_phone.hpp"
 #include "wayfuse/sdk/websocket_link.hpp"
@@ -129,7 +130,29 @@ std::unique_ptr<TrackedPhone> make_phone(const World& world, const Propagation& 
   tracked.client = client_settings(Role::kTrack, settings.building);
   tracked.client.pipeline = settings.pipeline;
   tracked.compare = settings.compare;
-  return std::make_unique<TrackedPhone>(world, std::move(phone), tracked, links, scheduler, random.split());
+  return std::make_unique<TrackedPhone>(std::move(phone), tracked, links, scheduler, random.split());
+}
+
+// Starts the phones, lets them live, waits for the last acknowledgements, ends the sessions; false = something never arrived.
+bool live(NetworkLoop& loop, ScaledScheduler& clock, const std::vector<std::unique_ptr<TrackedPhone>>& phones, Duration length,
+          std::FILE* out) {
+  for (const auto& phone : phones) phone->start();
+  LiveTable table(out);
+  const PhoneTime start = clock.now();
+  for (bool walking = true; walking;) {
+    loop.run_for(kTick);
+    walking = false;
+    for (const auto& phone : phones) walking = phone->advance(clock.now()) || walking;
+    const Duration walked = std::min(clock.now() - start, length);
+    table.show(phones, length > Duration{0} ? seconds(walked) / seconds(length) : 1.0, clock_text(walked));
+  }
+  const PhoneTime deadline = loop.now() + kSettleMost;
+  while (loop.now() < deadline && !std::ranges::all_of(phones, &TrackedPhone::settled)) loop.run_for(kTick);
+  const bool settled = std::ranges::all_of(phones, &TrackedPhone::settled);
+  for (const auto& phone : phones) phone->stop();
+  loop.run_for(kTick);
+  if (!settled) std::fprintf(out, "The server left samples unacknowledged.\n");
+  return settled && std::ranges::all_of(phones, [](const auto& phone) { return phone->samples_lost() == 0; });
 }
 
 }  // namespace
@@ -165,26 +188,36 @@ int walk(const World& world, const ServerAddress& server, const WalkFleetSetting
   for (int i = 0; i < settings.phones; ++i) walkers.emplace_back(world, GaitSettings{}, length, std::vector<FloorOrdinal>{}, random);
   std::vector<std::unique_ptr<TrackedPhone>> phones;
   for (const Walker& walker : walkers) phones.push_back(make_phone(world, propagation, walker, settings, links, clock, random.split()));
-  for (const auto& phone : phones) phone->start();
 
-  LiveTable table(out);
-  const PhoneTime start = clock.now();
-  for (bool walking = true; walking;) {
-    loop.run_for(kTick);
-    walking = false;
-    for (const auto& phone : phones) walking = phone->advance(clock.now()) || walking;
-    const Duration walked = std::min(clock.now() - start, length);
-    table.show(phones, seconds(walked) / seconds(length), clock_text(walked));
+  const bool whole = live(loop, clock, phones, length, out);
+  const bool won = print_summary(out, errors_of(phones), settings.compare);
+  return won && whole ? 0 : 1;
+}
+
+int replay(const std::string& file, const ServerAddress& server, const WalkFleetSettings& settings, std::FILE* out) {
+  auto recording = read_recording(file);
+  if (!recording) throw std::invalid_argument(to_string(recording.fault()));
+  NetworkLoop loop;
+  ScaledScheduler clock(loop, settings.speed);
+  auto feed = std::make_unique<RecordedPhone>(std::move(recording->header), std::move(recording->events), clock.now());
+  const Duration length = feed->length();
+  const std::size_t marks = feed->marks();
+  TrackedPhoneSettings tracked;
+  tracked.client = client_settings(Role::kTrack, settings.building);
+  tracked.client.pipeline = settings.pipeline;
+  tracked.compare = settings.compare;
+  std::vector<std::unique_ptr<TrackedPhone>> phones;
+  phones.push_back(std::make_unique<TrackedPhone>(std::move(feed), tracked, links_to(loop, server), clock, Random(settings.seed)));
+  const bool whole = live(loop, clock, phones, length, out);
+  std::fprintf(out, "\n%zu positions came", phones[0]->positions());
+  if (phones[0]->fault()) std::fprintf(out, ", the newest fault: %s", to_string(*phones[0]->fault()).c_str());
+  std::fprintf(out, "\n");
+  if (marks == 0) {
+    std::fprintf(out, "The recording holds no truth marks: there is nothing to compare with.\n");
+  } else {
+    print_errors(out, errors_of(phones), settings.compare);
   }
-  const PhoneTime deadline = loop.now() + kSettleMost;
-  while (loop.now() < deadline && !std::ranges::all_of(phones, &TrackedPhone::settled)) loop.run_for(kTick);
-  const bool all_settled = std::ranges::all_of(phones, &TrackedPhone::settled);
-  for (const auto& phone : phones) phone->stop();
-  loop.run_for(kTick);
-  const FleetErrors errors = errors_of(phones);
-  const bool won = print_summary(out, errors, settings.compare);
-  if (!all_settled) std::fprintf(out, "The server left samples unacknowledged.\n");
-  return won && all_settled && errors.samples_lost == 0 ? 0 : 1;
+  return phones[0]->positions() > 0 && whole ? 0 : 1;
 }
 
 }  // namespace wayfuse::simulator

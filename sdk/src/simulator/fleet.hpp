@@ -39,4 +39,7 @@ int survey(const World& world, const ServerAddress& server, const SurveyFleetSet
 /// Walks phones through the world and shows their errors live; 0 = all went well and fusion won (where compared).
 int walk(const World& world, const ServerAddress& server, const WalkFleetSettings& settings, std::FILE* out);
 
+/// Lives through a recording and prints its errors against its truth marks; 0 = positions came and nothing was left over.
+int replay(const std::string& file, const ServerAddress& server, const WalkFleetSettings& settings, std::FILE* out);
+
 }  // namespace wayfuse::simulator

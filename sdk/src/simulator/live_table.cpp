@@ -66,7 +66,7 @@ FleetErrors errors_of(const std::vector<std::unique_ptr<TrackedPhone>>& phones) 
   return errors;
 }
 
-bool print_summary(std::FILE* out, const FleetErrors& errors, bool compared) {
+void print_errors(std::FILE* out, const FleetErrors& errors, bool compared) {
   std::fprintf(out, "\nError against the truth, metres          mean  median     p90   floor right   positions\n");
   const auto row = [&](const char* name, const ErrorLog& log) {
     std::fprintf(out, "  %-34s %8.2f %7.2f %7.2f %11.1f %% %11zu\n", name, log.mean_m(), log.percentile_m(0.5),
@@ -78,6 +78,10 @@ bool print_summary(std::FILE* out, const FleetErrors& errors, bool compared) {
     row("dead reckoning from the true start", errors.reckoned);
   }
   if (errors.samples_lost > 0) std::fprintf(out, "  %llu samples were lost\n", static_cast<unsigned long long>(errors.samples_lost));
+}
+
+bool print_summary(std::FILE* out, const FleetErrors& errors, bool compared) {
+  print_errors(out, errors, compared);
   if (!compared) return errors.fused.count() > 0;
   const bool won = errors.fused.count() > 0 && errors.fused.mean_m() < errors.wifi_alone.mean_m() &&
                    errors.fused.mean_m() < errors.reckoned.mean_m();

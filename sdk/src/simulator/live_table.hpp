@@ -32,7 +32,9 @@ struct FleetErrors {
   std::uint64_t samples_lost = 0;
 };
 FleetErrors errors_of(const std::vector<std::unique_ptr<TrackedPhone>>& phones);
-/// The closing table; returns whether fusion was better than both of its sources.
+/// The closing table.
+void print_errors(std::FILE* out, const FleetErrors& errors, bool compared);
+/// ... and its verdict; returns whether fusion was better than both of its sources.
 bool print_summary(std::FILE* out, const FleetErrors& errors, bool compared);
 
 }  // namespace wayfuse::simulator

@@ -2,11 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 
 #include "sdk/src/simulator/fleet.hpp"
-#include "sdk/src/simulator/stand_in_phone.hpp"
+#include "sdk/src/simulator/recording_commands.hpp"
 
 namespace {
 
@@ -38,56 +37,33 @@ struct WorldOptions {
   }
 };
 
-struct RecordOptions {
-  double minutes = 2;
-  std::string carrying = "texting";
-  std::string device;
-  bool throttled = false;
-  std::uint64_t walk = 0;
-  std::string file;
+void add_options(CLI::App& app, RecordSettings& settings) {
+  app.add_option("--minutes", settings.minutes, "Of walking")->check(CLI::Range(0.1, 1440.0));
+  app.add_option("--carrying", settings.carrying, "texting, phoning, pocket, swinging, mixed or changing");
+  app.add_option("--device", settings.device, "Model, like 'stand-in C'; otherwise any");
+  app.add_flag("--throttled", settings.throttled, "Four real scans in two minutes, as Android allows");
+  app.add_option("--walk", settings.walk, "Number of the walk: another one in the same world");
+  app.add_option("FILE", settings.file, "Where to")->required();
+}
 
-  void add_to(CLI::App& app) {
-    app.add_option("--minutes", minutes, "Of walking")->check(CLI::Range(0.1, 1440.0));
-    app.add_option("--carrying", carrying, "texting, phoning, pocket, swinging, mixed or changing");
-    app.add_option("--device", device, "Model, like 'stand-in C'; otherwise any");
-    app.add_flag("--throttled", throttled, "Four real scans in two minutes, as Android allows");
-    app.add_option("--walk", walk, "Number of the walk: another one in the same world");
-    app.add_option("FILE", file, "Where to")->required();
+void add_options(CLI::App& app, ImportCommand& import) {
+  std::string formats;
+  for (const ImportFormat& format : import_formats()) {
+    formats += std::string("\n  ") + std::string(format.name) + ": " + std::string(format.about);
   }
-};
+  app.add_option("FORMAT", import.format, "One of" + formats)->required();
+  app.add_option("FILE", import.from, "What to read")->required();
+  app.add_option("--out", import.to, "Where to; otherwise standard output");
+  app.add_option("--floor", import.floor, "Ordinal of its floor, 0 = ground, where its label does not say");
+  app.add_option("--origin", import.origin, "LATITUDE LONGITUDE of the frame of its truth")->expected(2);
+  app.add_option("--azimuth", import.azimuth_deg, "Of that frame's y axis, degrees clockwise from true north");
+}
 
 void add_server_options(CLI::App& app, ServerAddress& server, BuildingId& building) {
   app.add_option("--server", server.url, "Like ws://127.0.0.1:8420/v1/session")->required();
   app.add_option("--key", server.key, "API key; better given as WAYFUSE_KEY")->envname("WAYFUSE_KEY")->required();
   app.add_option("--authority", server.authority, "PEM file with the certificate authority to trust")->check(CLI::ExistingFile);
   app.add_option("--building", building.value, "Building id on the server")->required();
-}
-
-int record(const World& world, std::uint64_t seed, const RecordOptions& options) {
-  Random random(seed + 0x9e37'79b9'7f4a'7c15u * options.walk);
-  const Propagation propagation(world, {});
-  const Walker walker(world, {}, from_seconds(60 * options.minutes), {}, random);
-  StandInSettings settings;
-  settings.device = options.device.empty() ? draw_device(random) : draw_device(options.device, random);
-  settings.carrying = carrying_of(options.carrying, random);
-  settings.scanner.throttled = options.throttled;
-  StandInPhone phone(world, propagation, walker, settings, random.split());
-  const std::string& file = options.file;
-  std::ofstream out(file);
-  if (!out) {
-    std::cerr << "wayfuse-phone: " << file << " cannot be written\n";
-    return EXIT_FAILURE;
-  }
-  RecordingWriter writer(out, {settings.device.model, "wayfuse-phone", world.name, UnixTime{}});
-  PhoneTime next_mark = phone.next_time();
-  while (const auto event = phone.next()) {
-    if (time_of(*event) >= next_mark) {
-      writer.write(TruthMark{next_mark, phone.truth(next_mark).place});
-      next_mark += std::chrono::seconds(1);
-    }
-    writer.write(*event);
-  }
-  return EXIT_SUCCESS;
 }
 
 }  // namespace
@@ -99,12 +75,16 @@ int main(int argc, char** argv) {
   ServerAddress server;
   SurveyFleetSettings surveying;
   WalkFleetSettings walking;
-  RecordOptions recording;
+  RecordSettings recording;
+  ImportCommand import;
+  std::string replay_file;
 
   auto* show = app.add_subcommand("world", "Print the building as POST /v1/buildings takes it");
   auto* survey_command = app.add_subcommand("survey", "Survey every floor and upload the reference points");
   auto* walk_command = app.add_subcommand("walk", "Walk phones through the building and show their errors");
   auto* record_command = app.add_subcommand("record", "Record one walk with its truth");
+  auto* import_command = app.add_subcommand("import", "Turn somebody else's recording into one of ours");
+  auto* replay_command = app.add_subcommand("replay", "Live through a recording and show its errors against its truth marks");
   for (auto* command : {show, survey_command, walk_command, record_command}) options.add_to(*command);
 
   show->add_option("--pipeline", options.pipeline, "Preset the building asks for");
@@ -121,10 +101,19 @@ int main(int argc, char** argv) {
   walk_command->add_flag("--throttled", walking.throttled, "Four real scans in two minutes, as Android allows");
   walk_command->add_flag("!--no-compare", walking.compare, "Only the fused session, no Wi-Fi-only one beside it");
 
-  recording.add_to(*record_command);
+  add_options(*record_command, recording);
+  add_options(*import_command, import);
+
+  add_server_options(*replay_command, server, walking.building);
+  replay_command->add_option("FILE", replay_file, "A recording, as `record` and `import` write it")->required();
+  replay_command->add_option("--speed", walking.speed, "How fast its clock runs")->check(CLI::Range(0.1, 100.0));
+  replay_command->add_option("--pipeline", walking.pipeline, "Preset to ask for instead of the building's own");
+  replay_command->add_flag("!--no-compare", walking.compare, "Only the fused session, no Wi-Fi-only one beside it");
   CLI11_PARSE(app, argc, argv);
 
   try {
+    if (*import_command) return import_file(import);
+    if (*replay_command) return replay(replay_file, server, walking, stdout);
     const World world = options.make();
     surveying.seed = walking.seed = options.seed;
     if (*show) std::cout << to_building_json(world) << '\n';

@@ -26,6 +26,8 @@ Quaternion about_x(double angle_rad) { return {std::cos(angle_rad / 2), std::sin
 Quaternion about_y(double angle_rad) { return {std::cos(angle_rad / 2), 0, std::sin(angle_rad / 2), 0}; }
 Quaternion about_z(double angle_rad) { return {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)}; }
 
+constexpr int kWanderWaves = 4;
+constexpr double kWanderLeast_s = 8.0, kWanderMost_s = 60.0;   // periods
 constexpr double kHandling_s = 1.2;   // from one way of carrying to another
 
 }  // namespace
@@ -46,14 +48,27 @@ MotionSensors::Pose MotionSensors::pose_of(Carrying carrying) {
 }
 
 MotionSensors::MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random)
-    : world_(world), walker_(walker), device_(std::move(device)), changes_{{Duration{0}, carrying.mode}}, random_(random) {
+    : world_(world), walker_(walker), device_(std::move(device)), changes_{{Duration{0}, carrying.mode}}, wander_rad_(carrying.wander_rad),
+      random_(random) {
   bounce_ = 1.0 + 0.12 * random_.normal();
+  for (auto* waves : {&yaw_waves_, &pitch_waves_}) {
+    for (int i = 0; i < kWanderWaves; ++i) {
+      const double period_s = kWanderLeast_s + (kWanderMost_s - kWanderLeast_s) * random_.uniform();
+      waves->push_back({2 * kPi / period_s, 2 * kPi * random_.uniform()});
+    }
+  }
   if (carrying.stay <= Duration{0}) return;
   while (changes_.back().at < walker_.length()) {
     const Duration stay = from_seconds(seconds(carrying.stay) * (0.5 + random_.uniform()));
     const auto other = 1 + static_cast<int>(random_.below(kCarryingModes - 1));
     changes_.push_back({changes_.back().at + stay, static_cast<Carrying>((static_cast<int>(changes_.back().to) + other) % kCarryingModes)});
   }
+}
+
+double MotionSensors::wander(const std::vector<Wave>& waves, Duration since_start) const {
+  double sum = 0;
+  for (const Wave& wave : waves) sum += std::sin(wave.radps * seconds(since_start) + wave.phase_rad);
+  return wander_rad_ * std::sqrt(2.0 / kWanderWaves) * sum;
 }
 
 Carrying MotionSensors::carrying(Duration since_start) const {
@@ -79,8 +94,8 @@ Quaternion MotionSensors::attitude(Duration since_start) const {
   const double stride = kPi * truth.gait_phase;   // one turn of 2 pi = two steps
   // Body y points where the walker goes; the body's yaw is measured from north, counter-clockwise.
   const double north_yaw = world_.georeference.to_true(truth.heading).radians() - kPi / 2;
-  const double yaw = north_yaw + pose.yaw_rad + truth.swing * pose.sway_rad * std::sin(stride);
-  const double pitch = pose.pitch_rad + truth.swing * pose.swing_rad * std::sin(stride + 0.7);
+  const double yaw = north_yaw + pose.yaw_rad + wander(yaw_waves_, since_start) + truth.swing * pose.sway_rad * std::sin(stride);
+  const double pitch = pose.pitch_rad + wander(pitch_waves_, since_start) + truth.swing * pose.swing_rad * std::sin(stride + 0.7);
   return times(times(about_z(yaw), about_x(pitch)), about_y(pose.roll_rad + truth.swing * 0.02 * std::sin(stride + 1.3)));
 }
 

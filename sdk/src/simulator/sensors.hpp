@@ -21,6 +21,7 @@ const std::vector<std::string>& carrying_names();
 struct CarryingSettings {
   Carrying mode = Carrying::kTexting;   ///< at the start
   Duration stay{0};                     ///< mean time in one mode before another; 0 = never another
+  double wander_rad = 0.13;             ///< 1 sigma: nobody holds a phone straight ahead all the time
 };
 
 /// Turns the truth of a walk into what a phone's motion sensors say.
@@ -47,7 +48,11 @@ class MotionSensors {
     Duration at;
     Carrying to;
   };
+  struct Wave {
+    double radps, phase_rad;
+  };
   static Pose pose_of(Carrying carrying);
+  double wander(const std::vector<Wave>& waves, Duration since_start) const;
   Pose pose_at(Duration since_start) const;
   Vector3 specific_force_enu(const Truth& truth) const;
   Vector3 field_enu(const Place& place) const;
@@ -57,6 +62,8 @@ class MotionSensors {
   const Walker& walker_;
   Device device_;
   std::vector<Change> changes_;   // ascending; the first at the start
+  double wander_rad_;
+  std::vector<Wave> yaw_waves_, pitch_waves_;
   Random random_;
   double bounce_;   // this walker's
 };

@@ -2,11 +2,11 @@
 
 #include <optional>
 
+#include "sdk/src/simulator/phone_feed.hpp"
 #include "sdk/src/simulator/propagation.hpp"
 #include "sdk/src/simulator/scanner.hpp"
 #include "sdk/src/simulator/sensors.hpp"
 #include "sdk/src/simulator/walker.hpp"
-#include "wayfuse/sdk/recording.hpp"
 
 namespace wayfuse::simulator {
 
@@ -24,18 +24,17 @@ CarryingSettings carrying_of(std::string_view word, Random& random);
 /// A phone in a walker's hand: its sensor callbacks in the order an operating system would make them.
 ///
 /// Same world, walker, settings and generator: the same events, bit for bit. Thread: confined to its owner.
-class StandInPhone {
+class StandInPhone final : public PhoneFeed {
  public:
   StandInPhone(const World& world, const Propagation& propagation, const Walker& walker, const StandInSettings& settings,
                Random random);
 
-  /// The next callback: motion sensors or a scan; nothing when the walk is over.
-  std::optional<RecordedEvent> next();
-  /// When that will be.
-  PhoneTime next_time() const;
+  std::optional<RecordedEvent> next() override;
+  PhoneTime next_time() const override;
+  std::optional<Place> truth_at(PhoneTime time) const override { return truth(time).place; }
+  const std::string& device_model() const override { return settings_.device.model; }
   Truth truth(PhoneTime time) const { return walker_.at(time - settings_.start); }
   PhoneTime end() const { return settings_.start + walker_.length(); }
-  const Device& device() const { return settings_.device; }
 
  private:
   const Walker& walker_;

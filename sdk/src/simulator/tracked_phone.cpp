@@ -16,9 +16,10 @@ MotionTracker default_tracker() {
   return std::move(tracker).value();
 }
 
-Heading in_building(const World& world, const MotionReport& motion) {
-  if (motion.reference != HeadingReference::kMagnetic) return world.georeference.to_building(motion.heading);
-  return world.georeference.to_building(motion.heading.turned_by(-world.magnetic_field.declination_rad));
+Heading in_building(const Welcome& welcome, const MotionReport& motion) {
+  const Georeference frame = welcome.georeference.value_or(Georeference{});   // without one, y is taken for north
+  if (motion.reference != HeadingReference::kMagnetic) return frame.to_building(motion.heading);
+  return frame.to_building(motion.heading.turned_by(-welcome.magnetic_field.declination_rad));
 }
 
 }  // namespace
@@ -50,10 +51,10 @@ double ErrorLog::floor_share() const {
   return errors_m_.empty() ? 0.0 : static_cast<double>(floors_right_) / static_cast<double>(errors_m_.size());
 }
 
-TrackedPhone::TrackedPhone(const World& world, std::unique_ptr<StandInPhone> phone, TrackedPhoneSettings settings,
-                           Client::LinkFactory links, Scheduler& scheduler, Random random)
-    : world_(world), phone_(std::move(phone)), motion_(default_tracker()), reckoned_(phone_->truth(phone_->next_time()).place) {
-  settings.client.device_model = phone_->device().model;
+TrackedPhone::TrackedPhone(std::unique_ptr<PhoneFeed> feed, TrackedPhoneSettings settings, Client::LinkFactory links,
+                           Scheduler& scheduler, Random random)
+    : feed_(std::move(feed)), motion_(default_tracker()) {
+  settings.client.device_model = feed_->device_model();
   main_ = std::make_unique<Client>(settings.client, events_into(fused_, true), links, scheduler, random.split());
   if (settings.compare) {
     ClientSettings wifi = settings.client;
@@ -65,12 +66,20 @@ TrackedPhone::TrackedPhone(const World& world, std::unique_ptr<StandInPhone> pho
 ClientEvents TrackedPhone::events_into(ErrorLog& log, bool main) {
   ClientEvents events;
   events.position = [this, &log, main](const Position& position) {
-    log.add(position.position.place, phone_->truth(position.position.valid_at).place);
-    if (main) position_ = position.position;
+    if (const auto truth = feed_->truth_at(position.position.valid_at)) log.add(position.position.place, *truth);
+    if (!main) return;
+    ++positions_;
+    position_ = position.position;
   };
   events.fault = [this](const FaultReport& report) { fault_ = report.fault; };
   events.samples_lost = [this](std::uint64_t first, std::uint64_t last) { samples_lost_ += last - first + 1; };
-  if (main) events.welcomed = [this](const Welcome& welcome) { motion_.expect(welcome.magnetic_field); };
+  if (main) {
+    events.welcomed = [this](const Welcome& welcome) {
+      motion_.expect(welcome.magnetic_field);
+      welcome_ = welcome;
+      reckon();
+    };
+  }
   return events;
 }
 
@@ -91,13 +100,22 @@ bool TrackedPhone::settled() const {
   return done(*main_) && (!wifi_client_ || done(*wifi_client_));
 }
 
-void TrackedPhone::reckon(const MotionReport& motion) {
-  const Heading heading = in_building(world_, motion);
-  reckoned_.point.x_m += motion.distance_m() * heading.cos();
-  reckoned_.point.y_m += motion.distance_m() * heading.sin();
-  const Place truth = phone_->truth(motion.time).place;
-  reckoned_.floor = truth.floor;   // reckoning has no floor of its own: it is given the true one
-  reckoned_log_.add(reckoned_, truth);
+void TrackedPhone::reckon() {
+  if (!welcome_) return;
+  for (const MotionReport& motion : unreckoned_) {
+    const auto truth = feed_->truth_at(motion.time);
+    if (!reckoned_) {
+      reckoned_ = truth;
+      continue;
+    }
+    const Heading heading = in_building(*welcome_, motion);
+    reckoned_->point.x_m += motion.distance_m() * heading.cos();
+    reckoned_->point.y_m += motion.distance_m() * heading.sin();
+    if (!truth) continue;
+    reckoned_->floor = truth->floor;   // reckoning has no floor of its own: it is given the true one
+    reckoned_log_.add(*reckoned_, *truth);
+  }
+  unreckoned_.clear();
 }
 
 void TrackedPhone::live_through(const RecordedEvent& event) {
@@ -105,10 +123,13 @@ void TrackedPhone::live_through(const RecordedEvent& event) {
   if (const auto* marg = std::get_if<MargSample>(&event)) {
     if (const auto report = motion_.feed(*marg)) {
       sample = *report;
-      reckon(*report);
+      unreckoned_.push_back(*report);
+      reckon();
     }
   } else if (const auto* scan = std::get_if<RssScan>(&event)) {
     sample = *scan;
+  } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
+    sample = *fix;
   }
   if (!sample) return;
   for (Client* client : {main_.get(), wifi_client_.get()}) {
@@ -118,8 +139,8 @@ void TrackedPhone::live_through(const RecordedEvent& event) {
 }
 
 bool TrackedPhone::advance(PhoneTime now) {
-  while (phone_->next_time() <= now) {
-    const auto event = phone_->next();
+  while (feed_->next_time() <= now) {
+    const auto event = feed_->next();
     if (!event) return false;
     live_through(*event);
   }

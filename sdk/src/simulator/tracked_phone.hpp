@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "sdk/src/simulator/stand_in_phone.hpp"
+#include "sdk/src/simulator/phone_feed.hpp"
 #include "wayfuse/proto/message.hpp"
 #include "wayfuse/sdk/client.hpp"
 #include "wayfuse/sdk/motion_tracker.hpp"
@@ -32,14 +32,15 @@ struct TrackedPhoneSettings {
   bool compare = true;               ///< also open a Wi-Fi-only session and reckon from the true start
 };
 
-/// A stand-in phone with the SDK in it: walks, streams, and compares what comes back with where it really is.
+/// A phone with the SDK in it: lives through its feed, streams, and compares what comes back with where it really is, where
+/// that is known.
 ///
 /// Three ways side by side on the same evidence: fused (the building's pipeline), Wi-Fi alone (a session with the `wknn`
-/// preset), dead reckoning alone (from the true start). Thread: the link's.
+/// preset), dead reckoning alone (from the first true place, in the frame the server tells). Thread: the link's.
 class TrackedPhone {
  public:
-  TrackedPhone(const World& world, std::unique_ptr<StandInPhone> phone, TrackedPhoneSettings settings, Client::LinkFactory links,
-               Scheduler& scheduler, Random random);
+  TrackedPhone(std::unique_ptr<PhoneFeed> feed, TrackedPhoneSettings settings, Client::LinkFactory links, Scheduler& scheduler,
+               Random random);
 
   void start();
   /// Lives through everything up to `now`; false when the walk is over.
@@ -53,24 +54,28 @@ class TrackedPhone {
   const ErrorLog& reckoned() const { return reckoned_log_; }
   const std::optional<FusedPosition>& position() const { return position_; }
   const std::optional<Fault>& fault() const { return fault_; }
-  const std::string& device_model() const { return phone_->device().model; }
+  const std::string& device_model() const { return feed_->device_model(); }
   std::uint64_t samples_lost() const { return samples_lost_; }
+  /// Fused positions that came, also where nobody knows the truth.
+  std::size_t positions() const { return positions_; }
 
  private:
   ClientEvents events_into(ErrorLog& log, bool main);
   void live_through(const RecordedEvent& event);
-  void reckon(const MotionReport& motion);
+  void reckon();
 
-  const World& world_;
-  std::unique_ptr<StandInPhone> phone_;
+  std::unique_ptr<PhoneFeed> feed_;
   MotionTracker motion_;
   std::unique_ptr<Client> main_;
   std::unique_ptr<Client> wifi_client_;
-  Place reckoned_;
+  std::optional<Welcome> welcome_;
+  std::vector<MotionReport> unreckoned_;   // until the server told how its frame lies
+  std::optional<Place> reckoned_;
   ErrorLog fused_, wifi_alone_, reckoned_log_;
   std::optional<FusedPosition> position_;
   std::optional<Fault> fault_;
   std::uint64_t samples_lost_ = 0;
+  std::size_t positions_ = 0;
 };
 
 }  // namespace wayfuse::simulator
