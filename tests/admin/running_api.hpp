@@ -86,8 +86,10 @@ class RunningApi {
     return keys->issue("test", std::move(scopes), building, expires)->key;
   }
 
-  Answer ask(const std::string& method, std::string path, const std::string& key, std::string body = {}) {
+  Answer ask(const std::string& method, std::string path, const std::string& key, std::string body = {},
+             std::map<std::string, std::string> headers = {}) {
     Request request;
+    request.headers = std::move(headers);
     request.method = method;
     if (const auto mark = path.find('?'); mark != std::string::npos) {
       const std::string query = path.substr(mark + 1);

@@ -86,8 +86,10 @@ class Browser:
         await self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     async def press(self, key):
-        for kind in ("keyDown", "keyUp"):
-            await self.call("Input.dispatchKeyEvent", type=kind, key=key, text=key if len(key) == 1 else "")
+        code = {"Tab": 9, "Enter": 13, "Escape": 27, "+": 187, "-": 189}.get(key, 0)
+        text = {"Enter": "\r"}.get(key, key if len(key) == 1 else "")
+        for kind in ("keyDown" if text else "rawKeyDown", "keyUp"):
+            await self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, text=text)
 
     async def picture(self, file):
         shot = await self.call("Page.captureScreenshot", format="png")

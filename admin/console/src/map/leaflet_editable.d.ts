@@ -1,0 +1,1 @@
+declare module "leaflet-editable";

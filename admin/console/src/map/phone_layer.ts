@@ -1,0 +1,165 @@
+import type L from 'leaflet';
+import { isGliding, shownAt, type Phone, type Phones } from '../live/phones';
+import type { Integrity } from '../wire/shapes';
+import { CanvasLayer, type Pen } from './canvas_layer';
+import { calibratedEllipse } from './ellipse';
+import { inks, type Inks } from './inks';
+
+export interface PhoneView { floor: number | null; chosen: string | null; inner: boolean; outer: boolean; tracks: boolean }
+
+const kStates: Integrity[] = ['ok', 'degraded', 'suspect'];
+const kInkOf = { ok: 'phone', degraded: 'warn', suspect: 'bad' } as const;
+const kTrackEveryMs = 250;
+
+/// Draws every phone of a floor. All phones of one state share one path a shape, so that a frame costs a fixed number of fills and
+/// strokes whether 5 phones or 500 are there, and overlapping regions do not pile up into a dark blot.
+export class PhoneLayer {
+  view: PhoneView = { floor: null, chosen: null, inner: true, outer: true, tracks: true };
+  private readonly dots: CanvasLayer;
+  private readonly tracks: CanvasLayer;
+  private readonly deaf: () => void;
+  private tracksAt = 0;
+
+  constructor(private readonly map: L.Map, private readonly phones: Phones) {
+    this.tracks = new CanvasLayer((pen) => this.paintTracks(pen), 'tracks', 'tracks');
+    this.dots = new CanvasLayer((pen) => this.paintPhones(pen), 'phones', 'phones');
+    this.tracks.addTo(map);
+    this.dots.addTo(map);
+    this.deaf = phones.listen(() => this.refresh());
+  }
+
+  remove(): void {
+    this.deaf();
+    this.tracks.removeFrom(this.map);
+    this.dots.removeFrom(this.map);
+  }
+
+  show(view: Partial<PhoneView>): void {
+    Object.assign(this.view, view);
+    this.tracksAt = 0;
+    this.refresh();
+  }
+
+  refresh(): void {
+    this.dots.redraw();
+    const now = performance.now();
+    if (now - this.tracksAt < kTrackEveryMs) return;
+    this.tracksAt = now;
+    this.tracks.redraw();
+  }
+
+  private onFloor(): Phone[] {
+    return this.phones.present().filter((phone) => phone.position.place.floor === this.view.floor);
+  }
+
+  private paintTracks({ ctx, x, y }: Pen): void {
+    if (!this.view.tracks) return;
+    const ink = inks();
+    for (const state of kStates) {
+      ctx.beginPath();
+      for (const phone of this.onFloor()) {
+        if (phone.position.integrity !== state || phone.name === this.view.chosen) continue;
+        traceTrack(ctx, phone, this.view.floor, x, y);
+      }
+      Object.assign(ctx, { strokeStyle: ink[kInkOf[state]], lineWidth: 1.5, lineJoin: 'round', globalAlpha: 0.35 });
+      ctx.stroke();
+    }
+    const chosen = this.view.chosen ? this.phones.byName.get(this.view.chosen) : undefined;
+    if (!chosen) return;
+    ctx.beginPath();
+    traceTrack(ctx, chosen, this.view.floor, x, y);
+    Object.assign(ctx, { strokeStyle: ink[kInkOf[chosen.position.integrity]], lineWidth: 3, globalAlpha: 0.85 });
+    ctx.stroke();
+  }
+
+  private paintPhones(pen: Pen): void {
+    const now = performance.now();
+    const ink = inks();
+    const phones = this.onFloor();
+    for (const state of kStates) {
+      const alike = phones.filter((phone) => phone.position.integrity === state);
+      if (!alike.length) continue;
+      if (this.view.outer) fillEllipses(pen, alike, now, 'radius95_m', ink[kInkOf[state]], 0.07);
+      if (this.view.inner) fillEllipses(pen, alike, now, 'radius68_m', ink[kInkOf[state]], 0.18);
+      drawHeadings(pen, alike, now, ink[kInkOf[state]]);
+      drawDots(pen, alike, now, ink[kInkOf[state]], ink.halo);
+    }
+    const chosen = phones.find((phone) => phone.name === this.view.chosen);
+    if (chosen) drawChosen(pen, chosen, now, ink);
+    if (phones.some((phone) => isGliding(phone, now))) this.dots.redraw();
+  }
+}
+
+function traceTrack(ctx: CanvasRenderingContext2D, phone: Phone, floor: number | null, x: Pen['x'], y: Pen['y']): void {
+  let down = false;
+  for (const point of phone.track) {
+    if (point.floor !== floor) { down = false; continue; }
+    if (down) ctx.lineTo(x(point.x), y(point.y));
+    else ctx.moveTo(x(point.x), y(point.y));
+    down = true;
+  }
+}
+
+function traceEllipse({ ctx, x, y, scale }: Pen, phone: Phone, now: number, radius: 'radius68_m' | 'radius95_m'): void {
+  const place = shownAt(phone, now);
+  const { major, minor, angle } = calibratedEllipse(phone.position.covariance, phone.position[radius]);
+  const [cx, cy] = [x(place.x_m), y(place.y_m)];
+  ctx.moveTo(cx + major * scale * Math.cos(angle), cy - major * scale * Math.sin(angle));
+  ctx.ellipse(cx, cy, major * scale, minor * scale, -angle, 0, 2 * Math.PI);
+}
+
+function fillEllipses(pen: Pen, phones: Phone[], now: number, radius: 'radius68_m' | 'radius95_m', ink: string, alpha: number): void {
+  pen.ctx.beginPath();
+  for (const phone of phones) traceEllipse(pen, phone, now, radius);
+  Object.assign(pen.ctx, { fillStyle: ink, globalAlpha: alpha });
+  pen.ctx.fill('nonzero');
+  pen.ctx.globalAlpha = 1;
+}
+
+function drawHeadings({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: string): void {
+  ctx.beginPath();
+  for (const phone of phones) {
+    if (phone.position.speed_mps < 0.1) continue;
+    const place = shownAt(phone, now);
+    const angle = ((90 - phone.position.azimuth_deg) * Math.PI) / 180;
+    const [cx, cy] = [x(place.x_m), y(place.y_m)];
+    const [ux, uy] = [Math.cos(angle), -Math.sin(angle)];
+    ctx.moveTo(cx + 14 * ux, cy + 14 * uy);
+    ctx.lineTo(cx + 6 * ux - 5 * uy, cy + 6 * uy + 5 * ux);
+    ctx.lineTo(cx + 6 * ux + 5 * uy, cy + 6 * uy - 5 * ux);
+    ctx.closePath();
+  }
+  Object.assign(ctx, { fillStyle: ink, globalAlpha: 1 });
+  ctx.fill();
+}
+
+function drawDots({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: string, halo: string): void {
+  ctx.beginPath();
+  for (const phone of phones) {
+    const place = shownAt(phone, now);
+    ctx.moveTo(x(place.x_m) + 5.5, y(place.y_m));
+    ctx.arc(x(place.x_m), y(place.y_m), 5.5, 0, 2 * Math.PI);
+  }
+  Object.assign(ctx, { fillStyle: ink, strokeStyle: halo, lineWidth: 2 });
+  ctx.stroke();
+  ctx.fill();
+}
+
+function drawChosen(pen: Pen, phone: Phone, now: number, ink: Inks): void {
+  const { ctx, x, y } = pen;
+  const colour = ink[kInkOf[phone.position.integrity]];
+  for (const radius of ['radius68_m', 'radius95_m'] as const) {
+    ctx.beginPath();
+    traceEllipse(pen, phone, now, radius);
+    Object.assign(ctx, { strokeStyle: colour, lineWidth: radius === 'radius68_m' ? 2 : 1.25 });
+    ctx.setLineDash(radius === 'radius68_m' ? [] : [5, 4]);
+    ctx.stroke();
+  }
+  ctx.setLineDash([]);
+  const place = shownAt(phone, now);
+  ctx.beginPath();
+  ctx.arc(x(place.x_m), y(place.y_m), 8, 0, 2 * Math.PI);
+  Object.assign(ctx, { fillStyle: colour, strokeStyle: ink.halo, lineWidth: 3 });
+  ctx.stroke();
+  ctx.fill();
+}

@@ -1,0 +1,141 @@
+import type L from 'leaflet';
+import { Smartphone, X } from 'lucide-preact';
+import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useBuilding } from '../context';
+import { shownAt, type Phone } from '../live/phones';
+import { usePhones } from '../live/use_phones';
+import { FloorMap, toLatLng } from '../map/floor_map';
+import { listenToInks } from '../map/inks';
+import { PhoneLayer } from '../map/phone_layer';
+import { Badge, Empty, Notice } from '../parts/parts';
+import { metres, plural } from '../parts/words';
+import { hashOf } from '../route';
+import type { Integrity, Session } from '../wire/shapes';
+import { useAnswer } from '../wire/use_answer';
+import { PhoneCard } from './phone_card';
+
+const kRows = 100;
+export const toneOf = (integrity: Integrity) => (({ ok: 'good', degraded: 'warn', suspect: 'bad' }) as const)[integrity];
+
+export function Live() {
+  const { building, floor, setFloor, phones, link } = useBuilding();
+  const [map, setMap] = useState<L.Map | null>(null);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const [follow, setFollow] = useState(false);
+  const [tracks, setTracks] = useState(true);
+  const [inner, setInner] = useState(true);
+  const [outer, setOuter] = useState(true);
+  usePhones(phones);
+  const sessions = useAnswer<{ sessions: Session[] }>(`/v1/buildings/${building.id}/sessions`, 5000);
+  const layer = useMemo(() => (map ? new PhoneLayer(map, phones) : null), [map]);
+  useEffect(() => {
+    if (!layer) return;
+    const deaf = listenToInks(() => layer.show({}));
+    return () => { deaf(); layer.remove(); };
+  }, [layer]);
+  useEffect(() => layer?.show({ floor, chosen, tracks, inner, outer }), [layer, floor, chosen, tracks, inner, outer]);
+
+  const phone = chosen ? phones.byName.get(chosen) ?? null : null;
+  const there = phone?.position.place;
+  useEffect(() => {
+    if (!follow || !map || !there) return;
+    if (there.floor !== floor) setFloor(there.floor);
+    map.panTo(toLatLng([there.x_m, there.y_m]), { animate: true });
+  }, [follow, map, there?.x_m, there?.y_m, there?.floor]);
+
+  const choose = (name: string | null) => {
+    setChosen(name);
+    setFollow(false);
+    const place = name ? phones.byName.get(name)?.position.place : undefined;
+    if (!place || !map) return;
+    setFloor(place.floor);
+    const at = toLatLng([place.x_m, place.y_m]);
+    if (!map.getBounds().pad(-0.1).contains(at)) map.panTo(at);
+  };
+  const pick = (x: number, y: number, reach: number) => choose(nearest(phones.present(), floor, x, y, reach));
+  const present = phones.present();
+  const counts = new Map<number, number>();
+  for (const one of present) counts.set(one.position.place.floor, (counts.get(one.position.place.floor) ?? 0) + 1);
+
+  return (
+    <div class="split">
+      <FloorMap floors={building.floors} floor={floor} onFloor={setFloor} onMap={setMap} onPick={pick} counts={counts}
+        label={`Live floor plan with ${plural(present.length, 'phone')}.`}>
+        <div class="map-panel" role="group" aria-label="What is drawn">
+          <label class="check"><input type="checkbox" checked={inner} onChange={() => setInner(!inner)} />68 %</label>
+          <label class="check"><input type="checkbox" checked={outer} onChange={() => setOuter(!outer)} />95 %</label>
+          <label class="check"><input type="checkbox" checked={tracks} onChange={() => setTracks(!tracks)} />Last minute’s track</label>
+        </div>
+        {building.floors.length === 0 && (
+          <div class="map-message"><Empty title="No floor plan yet">
+            <a href={hashOf(building.id, 'buildings')}>Describe the building’s floors</a> to see phones on them.
+          </Empty></div>
+        )}
+      </FloorMap>
+      <aside class="side" aria-label="Phones">
+        {link.kind === 'refused' && <section><Notice tone="bad">Live positions were refused: {link.cause}</Notice></section>}
+        {phone && (
+          <section>
+            <div class="side-head">
+              <h2 class="mono">{phone.name}</h2>
+              <button aria-pressed={follow} class={follow ? 'primary' : ''} onClick={() => setFollow(!follow)}>{follow ? 'Following' : 'Follow'}</button>
+              <button class="quiet" aria-label="Close" onClick={() => choose(null)}><X /></button>
+            </div>
+            <PhoneCard phone={phone} session={sessions.data?.sessions.find((one) => one.tracked === phone.name) ?? null} floors={building.floors} />
+          </section>
+        )}
+        <PhoneList phones={[...phones.byName.values()]} chosen={chosen} choose={choose} />
+      </aside>
+    </div>
+  );
+}
+
+function nearest(phones: Phone[], floor: number | null, x: number, y: number, reach: number): string | null {
+  let best: string | null = null;
+  let least = reach;
+  const now = performance.now();
+  for (const phone of phones) {
+    const place = shownAt(phone, now);
+    const distance = Math.hypot(place.x_m - x, place.y_m - y);
+    if (place.floor === floor && distance < least) [best, least] = [phone.name, distance];
+  }
+  return best;
+}
+
+function PhoneList({ phones, chosen, choose }: { phones: Phone[]; chosen: string | null; choose: (name: string) => void }) {
+  const { building } = useBuilding();
+  const [wanted, setWanted] = useState('');
+  const labelOf = new Map(building.floors.map((one) => [one.ordinal, one.label]));
+  const present = phones.filter((phone) => !phone.gone).length;
+  const found = phones.filter((phone) => phone.name.includes(wanted.trim())).sort((a, b) => Number(a.gone) - Number(b.gone) || (a.name < b.name ? -1 : 1));
+  return (
+    <section class="flush">
+      <div class="side-head">
+        <h2>Phones <span class="badge" id="count">{present}</span></h2>
+        {phones.length > 8 && (
+          <input type="search" placeholder="Find" aria-label="Find a phone" value={wanted}
+            onInput={(event) => setWanted(event.currentTarget.value)} />
+        )}
+      </div>
+      {phones.length === 0 ? (
+        <Empty icon={<Smartphone />} title="No phone is here">Phones appear as soon as they send a scan that this building’s survey knows.</Empty>
+      ) : (
+        <table class="dense">
+          <thead><tr><th>Phone</th><th>Floor</th><th class="number">68 %</th><th>Radio</th></tr></thead>
+          <tbody id="phones">
+            {found.slice(0, kRows).map((phone) => (
+              <tr key={phone.name} data-name={phone.name} class={phone.name === chosen ? 'picked' : ''} onClick={() => choose(phone.name)}>
+                <td><button class="link mono clip" title={phone.name} aria-pressed={phone.name === chosen}>{phone.name}</button></td>
+                <td>{labelOf.get(phone.position.place.floor) || phone.position.place.floor}</td>
+                <td class="number">{metres(phone.position.radius68_m)}</td>
+                <td>{phone.gone ? <Badge>gone</Badge> : <Badge tone={toneOf(phone.position.integrity)}>{phone.position.integrity}</Badge>}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      {found.length > kRows && <p class="hint">The first {kRows} of {found.length}. Find narrows the list.</p>}
+      {phones.length > 0 && found.length === 0 && <p class="hint">No phone’s name contains “{wanted}”.</p>}
+    </section>
+  );
+}
