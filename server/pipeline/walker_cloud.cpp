@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/tracking/noise.hpp"
+#include "server/tracking/particle_kernels.hpp"
 
 namespace wayfuse {
 namespace {
@@ -65,7 +66,8 @@ void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carr
     const Noise::Pair n = columns.normal(number);
     bias[i] = compass.lost ? 2.0f * std::numbers::pi_v<float> * directions.uniform(number).second : known + sigma * n.first;
     scale[i] = std::max(0.5f, 1.0f + static_cast<float>(settings_.stride_sigma) * n.second);
-    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
+    const CosineAndSine way = cosine_and_sine(bias[i]);
+    const float c = scale[i] * way.cosine, s = scale[i] * way.sine;
     x[i] += c * dx - s * dy;
     y[i] += s * dx + c * dy;
   }
@@ -99,16 +101,14 @@ void WalkerCloud::turn_about(const CompassPrior& compass, Random& random) { scat
 void WalkerCloud::walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random) {
   on_foot_s_ += on_foot_s;
   if (sigma_m == 0.0) return;
-  const Noise noise(random);
-  const auto dx = static_cast<float>(dx_m), dy = static_cast<float>(dy_m), sigma = static_cast<float>(sigma_m);
-  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
-  const auto weight = cloud_.log_weight();
-  for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
-    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
-    const Noise::Pair n = noise.normal(i);
-    x[i] += c * dx - s * dy + sigma * n.first;
-    y[i] += s * dx + c * dy + sigma * n.second;
-    if (plan_ && !plan_->open(x[i], y[i])) weight[i] -= kOutsidePenalty;
+  const auto x = cloud_.x_m(), y = cloud_.y_m();
+  kernels::walk_turned(x.data(), y.data(), cloud_.heading_bias_rad().data(), cloud_.stride_scale().data(), cloud_.padded_size(),
+                       static_cast<float>(dx_m), static_cast<float>(dy_m), static_cast<float>(sigma_m), random.bits());
+  if (plan_) {
+    const auto weight = cloud_.log_weight();
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      if (!plan_->open(x[i], y[i])) weight[i] -= kOutsidePenalty;
+    }
   }
   settle(random);
 }
@@ -150,7 +150,8 @@ double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPo
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const float c = scale[i] * std::cos(bias[i]), s = scale[i] * std::sin(bias[i]);
+    const CosineAndSine way = cosine_and_sine(bias[i]);
+    const float c = scale[i] * way.cosine, s = scale[i] * way.sine;
     x_then_m_[i] = x[i] - (c * dx - s * dy);
     y_then_m_[i] = y[i] - (s * dx + c * dy);
   }

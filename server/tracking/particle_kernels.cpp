@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "server/tracking/noise.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "server/tracking/particle_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once a vector unit
@@ -76,26 +78,54 @@ HWY_INLINE void CosineAndSine(F turn, F& cosine, F& sine) {
   sine = hn::IfThenElse(set(q, 2), hn::Neg(sin_part), sin_part);
 }
 
+// Noise(key).normal(i) for the lanes from i on.
+HWY_INLINE void Normals(std::size_t i, U low, U high, F& first, F& second) {
+  const Floats d;
+  const Words dw;
+  const Ints di;
+  const F ulp = hn::Set(d, 0x1.0p-24f);
+  const U number = hn::Iota(dw, static_cast<std::uint32_t>(i));
+  const U a = Mix(hn::Add(hn::Add(hn::Add(number, number), hn::Set(dw, 1u)), low));
+  const U b = Mix(hn::Xor(a, high));
+  const F u = hn::Mul(hn::Add(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(a))), hn::Set(d, 1.0f)), ulp);
+  const F turn = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(b))), ulp);
+  const F radius = hn::Sqrt(hn::Max(hn::Mul(hn::Set(d, -2.0f), LogOfUnit(u)), hn::Zero(d)));
+  F cosine, sine;
+  CosineAndSine(turn, cosine, sine);
+  first = hn::Mul(radius, cosine);
+  second = hn::Mul(radius, sine);
+}
+
 void Walk(float* HWY_RESTRICT x_m, float* HWY_RESTRICT y_m, std::size_t padded, float dx_m, float dy_m, float sigma_m,
           std::uint64_t key) {
   const Floats d;
   const Words dw;
   const U low = hn::Set(dw, static_cast<std::uint32_t>(key)), high = hn::Set(dw, static_cast<std::uint32_t>(key >> 32));
-  const F sigma = hn::Set(d, sigma_m), dx = hn::Set(d, dx_m), dy = hn::Set(d, dy_m), ulp = hn::Set(d, 0x1.0p-24f);
-  const Ints di;
+  const F sigma = hn::Set(d, sigma_m), dx = hn::Set(d, dx_m), dy = hn::Set(d, dy_m);
   for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
-    const U number = hn::Iota(dw, static_cast<std::uint32_t>(i));
-    const U a = Mix(hn::Add(hn::Add(hn::Add(number, number), hn::Set(dw, 1u)), low));
-    const U b = Mix(hn::Xor(a, high));
-    const F u = hn::Mul(hn::Add(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(a))), hn::Set(d, 1.0f)), ulp);
-    const F turn = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(b))), ulp);
-    const F radius = hn::Sqrt(hn::Max(hn::Mul(hn::Set(d, -2.0f), LogOfUnit(u)), hn::Zero(d)));
-    F cosine, sine;
-    CosineAndSine(turn, cosine, sine);
-    const F x = hn::Add(hn::LoadU(d, x_m + i), hn::Add(dx, hn::Mul(sigma, hn::Mul(radius, cosine))));
-    const F y = hn::Add(hn::LoadU(d, y_m + i), hn::Add(dy, hn::Mul(sigma, hn::Mul(radius, sine))));
-    hn::StoreU(x, d, x_m + i);
-    hn::StoreU(y, d, y_m + i);
+    F first, second;
+    Normals(i, low, high, first, second);
+    hn::StoreU(hn::Add(hn::LoadU(d, x_m + i), hn::Add(dx, hn::Mul(sigma, first))), d, x_m + i);
+    hn::StoreU(hn::Add(hn::LoadU(d, y_m + i), hn::Add(dy, hn::Mul(sigma, second))), d, y_m + i);
+  }
+}
+
+void WalkTurned(float* HWY_RESTRICT x_m, float* HWY_RESTRICT y_m, const float* HWY_RESTRICT bias_rad, const float* HWY_RESTRICT scale,
+                std::size_t padded, float dx_m, float dy_m, float sigma_m, std::uint64_t key) {
+  const Floats d;
+  const Words dw;
+  const U low = hn::Set(dw, static_cast<std::uint32_t>(key)), high = hn::Set(dw, static_cast<std::uint32_t>(key >> 32));
+  const F sigma = hn::Set(d, sigma_m), dx = hn::Set(d, dx_m), dy = hn::Set(d, dy_m);
+  for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
+    F first, second, cosine, sine;
+    Normals(i, low, high, first, second);
+    const F turns = hn::Mul(hn::LoadU(d, bias_rad + i), hn::Set(d, kTurnsPerRad));
+    CosineAndSine(hn::Sub(turns, hn::Floor(turns)), cosine, sine);
+    const F size = hn::LoadU(d, scale + i), c = hn::Mul(size, cosine), s = hn::Mul(size, sine);
+    const F x = hn::Add(hn::Sub(hn::Mul(c, dx), hn::Mul(s, dy)), hn::Mul(sigma, first));
+    const F y = hn::Add(hn::Add(hn::Mul(s, dx), hn::Mul(c, dy)), hn::Mul(sigma, second));
+    hn::StoreU(hn::Add(hn::LoadU(d, x_m + i), x), d, x_m + i);
+    hn::StoreU(hn::Add(hn::LoadU(d, y_m + i), y), d, y_m + i);
   }
 }
 
@@ -159,12 +189,17 @@ HWY_AFTER_NAMESPACE();
 namespace wayfuse::kernels {
 
 HWY_EXPORT(Walk);
+HWY_EXPORT(WalkTurned);
 HWY_EXPORT(AddSquaredDistance);
 HWY_EXPORT(CleanAndMax);
 HWY_EXPORT(Exponentials);
 
 void walk(float* x_m, float* y_m, std::size_t padded, float dx_m, float dy_m, float sigma_m, std::uint64_t key) {
   HWY_DYNAMIC_DISPATCH(Walk)(x_m, y_m, padded, dx_m, dy_m, sigma_m, key);
+}
+void walk_turned(float* x_m, float* y_m, const float* bias_rad, const float* scale, std::size_t padded, float dx_m, float dy_m, float sigma_m,
+                 std::uint64_t key) {
+  HWY_DYNAMIC_DISPATCH(WalkTurned)(x_m, y_m, bias_rad, scale, padded, dx_m, dy_m, sigma_m, key);
 }
 void add_squared_distance(std::span<const float> x_m, std::span<const float> y_m, float zx_m, float zy_m, float scale,
                           std::span<float> gained) {

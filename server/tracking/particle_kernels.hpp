@@ -15,6 +15,9 @@ namespace kernels {
 
 /// x += dx + sigma n1, y += dy + sigma n2 with Noise(key).normal(i).
 void walk(float* x_m, float* y_m, std::size_t padded, float dx_m, float dy_m, float sigma_m, std::uint64_t key);
+/// The same with (dx, dy) turned by each particle's own bias, counter-clockwise, and stretched by its own scale.
+void walk_turned(float* x_m, float* y_m, const float* bias_rad, const float* scale, std::size_t padded, float dx_m, float dy_m, float sigma_m,
+                 std::uint64_t key);
 /// gained += scale ((x - zx)^2 + (y - zy)^2); any length.
 void add_squared_distance(std::span<const float> x_m, std::span<const float> y_m, float zx_m, float zy_m, float scale,
                           std::span<float> gained);

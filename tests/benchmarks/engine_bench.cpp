@@ -13,17 +13,13 @@
 #include "server/tracking/particle_filter.hpp"
 #include "server/tracking/resamplers.hpp"
 #include "server/tracking/walk_motion.hpp"
+#include "tests/benchmarks/match_world.hpp"
 
 // The engine's hot paths beside naive baselines in the same run. ns a particle, us a scan.
 namespace wayfuse {
 namespace {
 
-constexpr std::size_t kParticles = 1000;
-
-void per_particle(benchmark::State& state) {
-  state.counters["ns/particle"] =
-      benchmark::Counter(static_cast<double>(kParticles) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
+void per_particle(benchmark::State& state) { state.counters["a particle"] = time_per_particle(); }
 
 // What one writes first: structures, a standard generator, exp and log, a copy on resampling.
 void particles_naive(benchmark::State& state) {
@@ -73,60 +69,14 @@ BENCHMARK(particles_wayfuse);
 
 // --- matching -------------------------------------------------------------------------------------------------------------
 
-struct MatchWorld {
-  std::shared_ptr<const RadioMap> map;
-  std::vector<float> dense;        // points x transmitters, -100 = not heard
-  std::vector<RssScan> scans;
-};
-
-// Points on a square grid; transmitters fade with distance, so that a point hears some thirty of them.
-const MatchWorld& match_world(std::size_t points, std::size_t transmitters) {
-  static std::vector<std::pair<std::size_t, std::unique_ptr<MatchWorld>>> made;
-  for (const auto& [size, world] : made) {
-    if (size == points) return *world;
-  }
-  auto world = std::make_unique<MatchWorld>();
-  Random random(1);
-  const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(points)));
-  const double width_m = 2.0 * static_cast<double>(side);
-  const double reach_m = width_m * std::sqrt(30.0 / (3.14159 * static_cast<double>(transmitters)));
-  std::vector<BuildingPoint> places(transmitters);
-  for (auto& place : places) place = {width_m * random.uniform(), width_m * random.uniform()};
-  const auto scan_at = [&](BuildingPoint at) {
-    RssScan scan;
-    for (std::size_t i = 0; i < transmitters; ++i) {
-      const double d_m = distance_m(at, places[i]);
-      if (d_m < reach_m) scan.readings.push_back({Bssid{i + 1}, std::round(-40.0 - 50.0 * d_m / reach_m + 3.0 * random.normal()), {}, 0, {}, {}});
-    }
-    return scan;
-  };
-  std::vector<ReferencePoint> survey;
-  for (std::size_t i = 0; i < side * side; ++i) {
-    ReferencePoint point;
-    point.place.point = {2.0 * static_cast<double>(i % side), 2.0 * static_cast<double>(i / side)};
-    point.scans = {scan_at(point.place.point)};
-    survey.push_back(std::move(point));
-  }
-  world->map = RadioMap::build(survey);
-  const std::size_t columns = world->map->transmitters().size();
-  world->dense.assign(world->map->points().size() * columns, -100.0f);
-  for (std::size_t j = 0; j < world->map->points().size(); ++j) {
-    for (const MapLevel& level : world->map->levels(world->map->points()[j])) world->dense[j * columns + level.transmitter] = level.mean_dbm;
-  }
-  for (int i = 0; i < 64; ++i) world->scans.push_back(scan_at({width_m * random.uniform(), width_m * random.uniform()}));
-  return *made.emplace_back(points, std::move(world)).second;
-}
-
 void match_dense_naive(benchmark::State& state) {
   const MatchWorld& world = match_world(static_cast<std::size_t>(state.range(0)), static_cast<std::size_t>(state.range(1)));
   const std::size_t columns = world.map->transmitters().size(), points = world.map->points().size();
-  std::vector<float> wanted(columns);
+  std::vector<float> wanted;
   KnownScan known;
   std::size_t turn = 0;
   for (auto _ : state) {
-    world.map->know(world.scans[turn++ % world.scans.size()], known);
-    std::ranges::fill(wanted, -100.0f);
-    for (const auto& level : known.levels) wanted[level.transmitter] = level.rss_dbm;
+    dense_row(world, world.scans[turn++ % world.scans.size()], known, wanted);
     float least = INFINITY;
     std::size_t best = 0;
     for (std::size_t j = 0; j < points; ++j) {

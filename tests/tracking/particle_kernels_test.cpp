@@ -39,6 +39,22 @@ TEST(ParticleKernels, WalkEqualsTheScalarReferenceBitByBitOnEveryUnit) {
   });
 }
 
+TEST(ParticleKernels, WalkTurnedEqualsTheScalarReferenceBitByBitOnEveryUnit) {
+  on_every_unit([] {
+    std::vector<float> x(kSize, 3.0f), y(kSize, -7.0f), bias(kSize), scale(kSize);
+    for (std::size_t i = 0; i < kSize; ++i) bias[i] = 0.07f * (static_cast<float>(i) - 100.0f), scale[i] = 0.8f + 0.002f * static_cast<float>(i);
+    kernels::walk_turned(x.data(), y.data(), bias.data(), scale.data(), kSize, 0.7f, -0.2f, 0.3f, 0x123456789abcdefu);
+    const Noise noise(0x123456789abcdefu);
+    for (std::uint32_t i = 0; i < kSize; ++i) {
+      const Noise::Pair n = noise.normal(i);
+      const CosineAndSine way = cosine_and_sine(bias[i]);
+      const float c = scale[i] * way.cosine, s = scale[i] * way.sine;
+      EXPECT_EQ(x[i], 3.0f + ((c * 0.7f - s * -0.2f) + 0.3f * n.first));
+      EXPECT_EQ(y[i], -7.0f + ((s * 0.7f + c * -0.2f) + 0.3f * n.second));
+    }
+  });
+}
+
 TEST(ParticleKernels, SquaredDistanceEqualsTheScalarReferenceForAnyLength) {
   on_every_unit([] {
     for (const std::size_t size : {std::size_t{1}, std::size_t{15}, std::size_t{77}}) {
@@ -88,6 +104,14 @@ TEST(Noise, LogarithmAndCircleAreWithinTheirStatedErrors) {
     const CosineAndSine way = cosine_and_sine_of_turn(turn);
     EXPECT_NEAR(static_cast<double>(way.cosine), std::cos(2 * std::numbers::pi * static_cast<double>(turn)), 6e-7);
     EXPECT_NEAR(static_cast<double>(way.sine), std::sin(2 * std::numbers::pi * static_cast<double>(turn)), 6e-7);
+  }
+}
+
+TEST(Noise, CircleTakesAnyAngle) {
+  for (float angle = -10.0f; angle <= 10.0f; angle += 0.001f) {
+    const CosineAndSine way = cosine_and_sine(angle);
+    EXPECT_NEAR(static_cast<double>(way.cosine), std::cos(static_cast<double>(angle)), 2e-6);
+    EXPECT_NEAR(static_cast<double>(way.sine), std::sin(static_cast<double>(angle)), 2e-6);
   }
 }
 
