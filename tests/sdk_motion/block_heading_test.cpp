@@ -187,6 +187,51 @@ TEST(BlockHeading, WithoutACompassTheHeadingIsRelativeAndLevelStays) {
   }
 }
 
+TEST(BlockHeading, GravityAndCompassCarryOnWhileTheGyroscopeIsSilent) {
+  BlockHeading estimator = exact();
+  const auto path = [](double t) { return held(90 * std::sin(0.3 * t), 20 * std::sin(0.4 * t), 15 * std::sin(0.2 * t)); };
+  double silent = 0.0, after = 0.0, sigma = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    const double t = i * 0.01;
+    MargSample sample = sense_along(path, t);
+    if (t > 20 && t < 40) sample.turn_rate_radps.reset();
+    estimator.feed(sample);
+    const double error = apart_deg(path(t), estimator.attitude()->body_to_enu);
+    if (t > 21 && t < 40) silent = std::max(silent, error);
+    if (t > 41) after = std::max(after, error);
+    if (i == 3500) sigma = estimator.attitude()->heading_sigma_rad;
+  }
+  EXPECT_LT(silent, 12.0);  // 27 degrees a second, smoothed over 0.3 s: 8 degrees behind, and a little for the tilt
+  EXPECT_GT(sigma, 0.3);
+  EXPECT_LT(after, 1.0);
+}
+
+TEST(BlockHeading, APhoneWithoutAGyroscopeStillHasAHeading) {
+  BlockHeading estimator;
+  for (int i = 0; i < 1000; ++i) {
+    MargSample sample = sense(i * 0.02, held(i < 500 ? 30 : 120, 20));
+    sample.turn_rate_radps.reset();
+    estimator.feed(sample);
+  }
+  EXPECT_LT(apart_deg(held(120, 20), estimator.attitude()->body_to_enu), 1.0);
+}
+
+TEST(BlockHeading, SensorsThatSpeakApartAreBroughtToOneTime) {
+  BlockHeading estimator = exact();
+  const Vector3 turning{0, 0, 3.0};
+  for (int i = 0; i < 200; ++i) {
+    MargSample rate = sense(i * 0.02, about_up(3.0 * i * 0.02), turning), force;
+    rate.field_ut.reset();
+    estimator.feed(rate);
+    force.time = rate.time + std::chrono::milliseconds(10);
+    force.acceleration_mps2 = Vector3{0, 0, 9.81};
+    estimator.feed(force);
+  }
+  // The last gravity came 10 ms after the last turn rate, and the phone has turned 0.03 rad since.
+  const Quaternion d = about_up(3.0 * 199 * 0.02);
+  EXPECT_NEAR(apart_deg(d, estimator.attitude()->body_to_enu), 0.03 / kDegree, 0.01);
+}
+
 TEST(BlockHeading, SavedAndRestoredItGoesOnBitForBit) {
   BlockHeading estimator, restored;
   const auto path = [](double t) { return tumbling(t, 3.0); };

@@ -7,6 +7,7 @@ namespace wayfuse {
 namespace {
 
 constexpr double kGravity = 9.81;
+constexpr double kAheadMost_s = 0.05;  // a turn rate is not carried further
 
 // exp of half an angle vector by its series: an angle a sample turns through is small; beyond half a radian by trigonometry.
 Quaternion small_turn(Vector3 angle_rad) {
@@ -51,28 +52,45 @@ std::optional<SensorCalibration> BlockHeading::calibration() const {
   return SensorCalibration{kalman.bias_radps, std::sqrt(variance), state_.hard_iron.offset_ut};
 }
 
+bool BlockHeading::silent(PhoneTime now) const { return seconds(now - state_.rate_time) > settings_.gap_s; }
+
+// After a gap: tilt from gravity again, heading from the compass again. The bias stays.
+void BlockHeading::start_anew() {
+  BlockHeadingState& s = state_;
+  InertialKalman fresh;
+  fresh.start(settings_.inertial, s.kalman.bias_radps, std::sqrt(s.kalman.p[5][5]));
+  s.kalman = fresh;
+  s.level = s.compass.pointed = false;
+  s.hard_iron.clear();
+  clear_block();
+}
+
 void BlockHeading::feed(const MargSample& sample) {
   BlockHeadingState& s = state_;
+  const std::uint64_t used = s.gate.counts.used;
+  if (used == 0) s.rate_time = sample.time;
   if (const auto rate = s.gate.turn_rate(sample)) {
-    if (rate->dt_s > settings_.gap_s) {
-      // Whatever it did meanwhile: tilt from gravity again, heading from the compass again. The bias stays.
-      InertialKalman fresh;
-      fresh.start(settings_.inertial, s.kalman.bias_radps, std::sqrt(s.kalman.p[5][5]));
-      s.kalman = fresh;
-      s.level = false;
-      s.compass.pointed = false;
-      s.block_s = 0.0;
-      s.hard_iron.clear();
-    } else if (s.level) {
-      turn(rate->value, rate->dt_s);
-    }
+    if (silent(sample.time)) start_anew();
+    else if (s.level) turn(rate->value, rate->dt_s);
     s.rate_radps = rate->value;
+    s.rate_time = sample.time;
   }
-  if (const auto force = s.gate.acceleration(sample)) sense_force(force->value);
-  if (const auto field = s.gate.field(sample)) {
-    if (s.level) sense_field(field->value);
+  const bool alone = silent(sample.time);
+  if (const auto force = s.gate.acceleration(sample)) {
+    if (!s.level && norm(force->value) >= 1.0) {
+      s.q = {};
+      s.slow_force = force->value;
+      s.slow_rate = s.rate_radps;
+      level();
+    }
+    if (alone && s.level) level_alone(force->value, force->dt_s);
+    else if (s.level) sense_force(force->value);
   }
-  s.time = std::max(s.time, sample.time);
+  if (const auto field = s.gate.field(sample); field && s.level) {
+    sense_field(field->value);
+    if (alone) point_alone(field->dt_s);
+  }
+  if (s.gate.counts.used != used) s.time = std::max(s.time, sample.time);
   if (s.block_s >= settings_.block_s && (s.rates >= settings_.block_samples || s.block_s >= settings_.block_most_s)) close_block();
 }
 
@@ -96,17 +114,16 @@ const Matrix3& BlockHeading::rotation() {
   return state_.rotation;
 }
 
+// Up is where slow_force points.
+void BlockHeading::level() {
+  BlockHeadingState& s = state_;
+  s.q = normalized(to_up(rotate(s.q, s.slow_force * (1.0 / std::max(1.0, norm(s.slow_force))))) * s.q);
+  s.level = true;
+  s.rotation_fresh = false;
+}
+
 void BlockHeading::sense_force(Vector3 force) {
   BlockHeadingState& s = state_;
-  if (!s.level) {
-    const double length = norm(force);
-    if (length < 1.0) return;
-    s.q = to_up(force * (1.0 / length));
-    s.slow_force = force;
-    s.slow_rate = s.rate_radps;
-    s.level = true;
-    s.rotation_fresh = false;
-  }
   s.inertial_force_sum = s.inertial_force_sum + times(rotation(), force);
   s.forces += 1.0;
   s.force_sum = s.force_sum + force;
@@ -123,6 +140,23 @@ void BlockHeading::sense_field(Vector3 field) {
   s.magnetic.body = s.magnetic.body + field;
   s.magnetic.square += dot(field, field);
   s.magnetic.count += 1.0;
+}
+
+// Without a gyroscope: up is where smoothed gravity says, north where the smoothed compass says.
+void BlockHeading::level_alone(Vector3 force, double dt_s) {
+  BlockHeadingState& s = state_;
+  s.slow_force = s.slow_force + (force - s.slow_force) * std::min(1.0, dt_s / settings_.alone_s);
+  s.at_rest = false;
+  s.rate_radps = s.kalman.bias_radps;  // as far as anyone knows it does not turn
+  level();
+}
+
+void BlockHeading::point_alone(double dt_s) {
+  BlockHeadingState& s = state_;
+  const double gain = s.compass.pointed ? std::min(1.0, dt_s / settings_.alone_s) : 1.0;
+  s.compass.average(s.magnetic, 0.0, gain, dt_s);
+  s.kalman.p[InertialKalman::kHeading][InertialKalman::kHeading] = settings_.alone_sigma_rad * settings_.alone_sigma_rad;
+  clear_block();
 }
 
 // Rest: every reading of the block stays close to a slow mean, for long enough.
@@ -153,11 +187,14 @@ void BlockHeading::follow_field(double dt_s) {
   const double weight = s.compass.judge(settings_.magnetic, s.magnetic, s.hard_iron.offset_ut, dt_s);
   double& variance = s.kalman.p[InertialKalman::kHeading][InertialKalman::kHeading];
   if (s.compass.switched) variance = std::max(variance, settings_.switch_sigma_rad * settings_.switch_sigma_rad);
-  if (weight <= 0.0 && s.compass.pointed) return;
-  const double noise = settings_.magnetic.heading_sigma_rad_rts * settings_.magnetic.heading_sigma_rad_rts / dt_s;
-  const double gain = s.compass.pointed ? weight * variance / (variance + noise) : 1.0;
-  s.compass.average(s.magnetic, s.hard_iron.offset_ut, gain, dt_s);
-  s.kalman.pointed(gain, noise);
+  const MagneticHeadingSettings& m = settings_.magnetic;
+  const double away = s.compass.away_rad(s.magnetic, s.hard_iron.offset_ut);
+  const double doubt = 1.0 + away * away / (m.turn_scale_rad * m.turn_scale_rad + 4.0 * variance);
+  const double noise = m.heading_sigma_rad_rts * m.heading_sigma_rad_rts * doubt * doubt / (dt_s * std::max(weight, 1e-6));
+  const double gain = s.compass.pointed ? variance / (variance + noise) : 1.0;
+  const double bent = m.bias_spread_rad * m.bias_spread_rad;
+  s.compass.average(s.magnetic, away, gain, dt_s);
+  s.kalman.pointed(away, noise, gain, bent / (bent + s.compass.spread_rad2));
 }
 
 void BlockHeading::close_block() {
@@ -176,6 +213,11 @@ void BlockHeading::close_block() {
     s.rotation_fresh = false;
   }
   if (s.magnetic.count > 0.0) follow_field(dt_s);
+  clear_block();
+}
+
+void BlockHeading::clear_block() {
+  BlockHeadingState& s = state_;
   s.block_s = s.rates = s.square_rate = s.forces = s.square_force = 0.0;
   s.rate_sum = s.force_sum = s.inertial_force_sum = {};
   s.magnetic = {};
@@ -196,8 +238,9 @@ std::optional<Attitude> BlockHeading::attitude() const {
   Attitude attitude;
   attitude.time = s.time;
   attitude.turn_rate_radps = s.rate_radps - s.kalman.bias_radps;
-  Quaternion q = normalized(s.q);  // the series leaves 1e-7 within a block
-  if (settings_.sensor_delay_s > 0.0) q = q * small_turn(attitude.turn_rate_radps * settings_.sensor_delay_s);
+  // The newest turn rate still holds now, and was told late by its own filter.
+  const double ahead_s = settings_.sensor_delay_s + std::min(kAheadMost_s, seconds(s.time - s.rate_time));
+  Quaternion q = normalized(s.q * small_turn(attitude.turn_rate_radps * ahead_s));
   attitude.body_to_level = q;
   if (s.compass.pointed) q = about_up(s.compass.heading_rad(s.hard_iron.offset_ut)) * q;
   double variance = s.kalman.p[InertialKalman::kHeading][InertialKalman::kHeading];

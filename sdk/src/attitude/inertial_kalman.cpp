@@ -99,13 +99,17 @@ void InertialKalman::rest(const InertialKalmanSettings& s, double dt, Vector3 ra
   update(kBias + 2, rate.z - bias_radps.z, noise, 1.0, correction);
 }
 
-void InertialKalman::pointed(double gain, double noise) {
+// Any gain g leaves P - g c' - c g' + g g' S, with c the heading's column and S the innovation's variance.
+void InertialKalman::pointed(double innovation, double noise, double heading_gain, double bias_gain) {
+  const double total = p[kHeading][kHeading] + noise, share = bias_gain / total;
+  double column[kStates], gain[kStates] = {};
+  for (int i = 0; i < kStates; ++i) column[i] = p[i][kHeading];
+  gain[kHeading] = heading_gain;
+  for (int i = kBias; i < kStates; ++i) gain[i] = share * column[i];
   for (int i = 0; i < kStates; ++i) {
-    if (i == kHeading) continue;
-    p[i][kHeading] *= 1.0 - gain;
-    p[kHeading][i] = p[i][kHeading];
+    for (int j = 0; j < kStates; ++j) p[i][j] += gain[i] * (gain[j] * total - column[j]) - column[i] * gain[j];
   }
-  p[kHeading][kHeading] = (1.0 - gain) * (1.0 - gain) * p[kHeading][kHeading] + gain * gain * noise;
+  bias_radps = bias_radps + Vector3{gain[5], gain[6], gain[7]} * innovation;
 }
 
 }  // namespace wayfuse

@@ -5,14 +5,14 @@
 namespace wayfuse {
 
 struct InertialKalmanSettings {
-  double velocity_sigma_mps_rts = 0.33;        ///< of the pseudo-measurement "velocity is 0", m/s times root second; larger averages gravity longer
+  double velocity_sigma_mps_rts = 0.45;        ///< of the pseudo-measurement "velocity is 0", m/s times root second; larger averages gravity longer
   double tilt_noise_rad_prts = 0.0026;         ///< tilt random walk, rad per root second (0.15 degrees)
   double tilt_noise_per_rate_rts = 0.0017;     ///< and per rad/s of turning: scale and alignment errors
   double heading_noise_rad_prts = 0.0061;      ///< heading random walk (0.35 degrees)
   double bias_sigma_radps = 0.0045;            ///< at the start (0.26 degrees a second)
   double bias_walk_radps_prts = 2e-5;          ///< how fast it wanders
   double bias_most_radps = 0.035;              ///< (2 degrees a second)
-  double rest_rate_sigma_radps_rts = 0.0035;   ///< of the mean rate at rest (0.2 degrees a second times root second)
+  double rest_rate_sigma_radps_rts = 0.0025;   ///< of the mean rate at rest (0.14 degrees a second times root second)
   double motion_bias_gain = 0.5;               ///< share of the optimal bias correction taken while moving, 0..1
   double shake_velocity = 0.02;                ///< growth of the velocity's variance per (m/s2)^2 of shaking: runners fly
   double shake_bias = 0.03;                    ///< fall of the bias gain per (m/s2)^4 of shaking: walking hardly, running much
@@ -42,8 +42,9 @@ struct InertialKalman {
   void stay(const InertialKalmanSettings& settings, double dt_s, bool at_rest, double shake_mps2_square, Correction& correction);
   /// At rest the mean rate is the bias.
   void rest(const InertialKalmanSettings& settings, double dt_s, Vector3 mean_rate_radps, Correction& correction);
-  /// The compass moved the heading by `gain` times its innovation of variance `noise`.
-  void pointed(double gain, double noise);
+  /// The compass, of variance `noise`, moved the heading by `gain` (0..1) times its innovation; the bias learns `bias_gain` of
+  /// what it optimally would, tilt and velocity nothing.
+  void pointed(double innovation_rad, double noise, double gain, double bias_gain);
 
  private:
   void update(int state, double innovation, double noise, double bias_gain, Correction& correction);

@@ -131,13 +131,15 @@ double MagneticHeading::heading_rad(Vector3 offset_ut) const {
   return std::atan2(north.x, north.y);
 }
 
-void MagneticHeading::average(const MagneticSums& block, Vector3 offset, double gain, double dt_s) {
+double MagneticHeading::away_rad(const MagneticSums& block, Vector3 offset) const {
+  if (!pointed) return 0.0;
+  const Vector3 now = block.inertial - times(block.rotation, offset), mean = field - times(rotation, offset);
+  return std::atan2(now.x * mean.y - now.y * mean.x, now.x * mean.x + now.y * mean.y);
+}
+
+void MagneticHeading::average(const MagneticSums& block, double away, double gain, double dt_s) {
   const double n = 1.0 / block.count;
-  if (pointed) {
-    const Vector3 now = block.inertial - times(block.rotation, offset), mean = field - times(rotation, offset);
-    const double away = std::atan2(now.x * mean.y - now.y * mean.x, now.x * mean.x + now.y * mean.y);
-    spread_rad2 += std::min(1.0, dt_s / 20.0) * (away * away - spread_rad2);
-  }
+  spread_rad2 += std::min(1.0, dt_s / 20.0) * (away * away - spread_rad2);
   field = field + (block.inertial * n - field) * gain;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) rotation[i][j] += (block.rotation[i][j] * n - rotation[i][j]) * gain;
@@ -152,9 +154,18 @@ void MagneticHeading::freeze(Vector3 offset) {
   }
 }
 
+namespace {
+
+// How far a field is from a reference, in the scales of the settings.
+double mismatch_square(const MagneticHeadingSettings& s, double norm_ut, double dip_rad, double reference_ut, double reference_rad) {
+  const double norms = (norm_ut - reference_ut) / (s.norm_scale * reference_ut), dips = (dip_rad - reference_rad) / s.dip_scale_rad;
+  return norms * norms + dips * dips;
+}
+
+}  // namespace
+
 void MagneticHeading::follow_candidate(const MagneticHeadingSettings& s, double norm_now, double dip_now, double dt_s) {
-  const bool steady = candidate_s > 0.0 && std::abs(norm_now - candidate_norm_ut) < s.norm_tolerance * candidate_norm_ut &&
-                      std::abs(dip_now - candidate_dip_rad) < s.dip_tolerance_rad;
+  const bool steady = candidate_s > 0.0 && mismatch_square(s, norm_now, dip_now, candidate_norm_ut, candidate_dip_rad) < 1.0;
   if (!steady) {
     candidate_norm_ut = norm_now;
     candidate_dip_rad = dip_now;
@@ -173,46 +184,32 @@ double MagneticHeading::judge(const MagneticHeadingSettings& s, const MagneticSu
   const double square = block.square * n - 2.0 * n * dot(block.body, offset) + dot(offset, offset);
   const double norm_now = std::sqrt(std::max(0.0, square));
   const double dip_now = std::atan2(-h.z, std::hypot(h.x, h.y));
+  switched = false;
   if (norm_ut <= 0.0) {
     norm_ut = norm_now;
     dip_rad = dip_now;
-    good_s = s.back_after_s;
-    averaged_s = dt_s;
-    support_s = 0.0;
+    averaged_s = support_s = 0.0;
   }
-  switched = false;
-  const double shrink = disturbed ? s.hysteresis : 1.0;
-  const bool agrees = std::abs(norm_now - norm_ut) < shrink * s.norm_tolerance * norm_ut &&
-                      std::abs(dip_now - dip_rad) < shrink * s.dip_tolerance_rad;
-  quality += dt_s / 5.0 * ((agrees ? 1.0 : 0.0) - quality);
-  if (agrees) {
-    good_s += dt_s;
+  const double mismatch = mismatch_square(s, norm_now, dip_now, norm_ut, dip_rad), root = 1.0 / (1.0 + mismatch);
+  const double weight = mismatch < s.odd_square ? root * root : 0.0;
+  quality += std::min(1.0, dt_s / 5.0) * (weight - quality);
+  if (mismatch < 1.0) {
     support_s += dt_s;
     candidate_s = 0.0;
-    if (good_s >= s.back_after_s) {
-      disturbed = false;
-      bad_s = 0.0;
-      averaged_s = std::min(averaged_s + dt_s, s.reference_s);
-      norm_ut += dt_s / averaged_s * (norm_now - norm_ut);
-      dip_rad += dt_s / averaged_s * (dip_now - dip_rad);
-    }
-  } else {
-    good_s = 0.0;
-    disturbed = true;
-    follow_candidate(s, norm_now, dip_now, dt_s);
-    if (candidate_s >= std::min(s.accept_field_s, std::max(s.least_support_s, support_s))) {
-      switched = support_s < candidate_s;
-      support_s = candidate_s;
-      norm_ut = candidate_norm_ut;
-      dip_rad = candidate_dip_rad;
-      candidate_s = 0.0;
-      disturbed = false;
-      averaged_s = 1.0;
-    }
+    averaged_s = std::min(averaged_s + dt_s, s.reference_s);
+    norm_ut += dt_s / averaged_s * (norm_now - norm_ut);
+    dip_rad += dt_s / averaged_s * (dip_now - dip_rad);
+    return weight;
   }
-  if (!disturbed) return 1.0;
-  bad_s += dt_s;
-  return bad_s > s.soften_after_s ? s.soft_gain : 0.0;
+  follow_candidate(s, norm_now, dip_now, dt_s);
+  if (candidate_s < std::min(s.accept_field_s, std::max(s.least_support_s, support_s))) return weight;
+  switched = support_s < candidate_s;
+  support_s = candidate_s;
+  norm_ut = candidate_norm_ut;
+  dip_rad = candidate_dip_rad;
+  candidate_s = 0.0;
+  averaged_s = 1.0;
+  return 1.0;
 }
 
 }  // namespace wayfuse

@@ -59,15 +59,14 @@ struct HardIron {
 
 struct MagneticHeadingSettings {
   double heading_sigma_rad_rts = 0.122;   ///< of the compass, rad times root second (7 degrees): larger averages longer
-  double norm_tolerance = 0.10;           ///< relative
-  double dip_tolerance_rad = 0.175;       ///< (10 degrees)
-  double hysteresis = 0.8;                ///< tolerances shrink by this to come back
-  double back_after_s = 0.5;              ///< undisturbed for so long before the compass is believed again
+  double norm_scale = 0.10;               ///< relative mismatch at which a field is another one and counts a quarter
+  double dip_scale_rad = 0.175;           ///< the same for the dip (10 degrees)
+  double turn_scale_rad = 1.0;            ///< a north so far from the average, beyond twice its sigma, counts a quarter
+  double odd_square = 4.0;                ///< mismatch, squared and in these scales, beyond which it does not count at all
   double reference_s = 20.0;              ///< averaging of norm and dip
   double accept_field_s = 20.0;           ///< a steady other field becomes the reference
   double least_support_s = 1.0;           ///< and sooner, if the reference has less support than it, but not before this
-  double soften_after_s = 60.0;           ///< disturbed for longer: believed a little
-  double soft_gain = 0.1;
+  double bias_spread_rad = 0.05;          ///< spread of the compass at which it teaches the gyroscope's bias half as much (3 degrees)
   double field_sigma_rad = 0.02;          ///< what a heading is never better than: the field itself bends
   double spread_share = 0.5;              ///< share of the compass's spread that averaging does not take away
 };
@@ -84,17 +83,18 @@ struct MagneticHeading {
   double candidate_norm_ut = 0.0, candidate_dip_rad = 0.0, candidate_s = 0.0;
   double averaged_s = 0.0;
   double support_s = 0.0;       ///< how long the field has agreed with the reference
-  double good_s = 0.0, bad_s = 0.0;
-  bool disturbed = false;
   bool switched = false;        ///< this block made another field, better supported, the reference
   double spread_rad2 = 0.0;     ///< running mean square of the compass against its own average
-  double quality = 0.0;         ///< 0..1, share of the recent time the field agreed with the reference
+  double quality = 0.0;         ///< 0..1, running mean of how much the field was believed
 
   /// Turn from the inertial frame to (magnetic) east-north, of the frame's axes.
   double heading_rad(Vector3 offset_ut) const;
-  /// One block: decides whether it counts; `weight` = how much (0..1).
+  /// One block: how much it counts, 0..1, by 1 / (1 + mismatch^2)^2: no threshold about which a bent field could flicker.
   double judge(const MagneticHeadingSettings& settings, const MagneticSums& block, Vector3 offset_ut, double dt_s);
-  void average(const MagneticSums& block, Vector3 offset_ut, double gain, double dt_s);
+  /// How far the block's north is from the average, counter-clockwise; 0 while there is none.
+  double away_rad(const MagneticSums& block, Vector3 offset_ut) const;
+  /// Moves north by `gain` (0..1) towards the block's, which is `away_rad` off.
+  void average(const MagneticSums& block, double away_rad, double gain, double dt_s);
   /// What was averaged so far keeps the offset it has now.
   void freeze(Vector3 offset_ut);
 
