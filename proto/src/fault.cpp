@@ -52,7 +52,8 @@ constexpr std::array kTable = {
 std::span<const FaultFace> fault_table() { return kTable; }
 
 const FaultFace& face_of(FaultCode code) {
-  const auto row = std::ranges::find(kTable, code, &FaultFace::code);
+  // The algorithm without ranges: WebAssembly's and older phones' libc++ have none.
+  const auto row = std::find_if(kTable.begin(), kTable.end(), [code](const FaultFace& face) { return face.code == code; });
   return row != kTable.end() ? *row : kTable.back();
 }
 

@@ -22,6 +22,7 @@ const std::map<std::string, Rooms>& allowed() {
       {"sdk/motion", {"vocabulary"}},
       {"sdk/client", {"vocabulary", "wire", "sdk/motion"}},
       {"sdk/c", {"vocabulary", "wire", "sdk/motion", "sdk/client"}},
+      {"sdk/js", {"vocabulary", "sdk/motion"}},
       {"sdk/simulator", {"vocabulary", "wire", "sdk/motion", "sdk/client"}},
       {"db", {"vocabulary", "wire"}},
       {"admin", {"vocabulary", "wire", "db"}},
@@ -67,6 +68,7 @@ std::string room_of(const std::string& path) {
   }
   if (path.rfind("sdk/src/attitude/", 0) == 0 || path.rfind("sdk/src/walking/", 0) == 0) return "sdk/motion";
   if (path.rfind("sdk/src/c/", 0) == 0) return "sdk/c";
+  if (path.rfind("sdk/src/js/", 0) == 0) return "sdk/js";
   if (path.rfind("sdk/src/simulator/", 0) == 0) return "sdk/simulator";
   if (path.rfind("sdk/", 0) == 0) return "sdk/client";
   std::string best;
