@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "wayfuse/proto/fix.hpp"
 #include "wayfuse/proto/random.hpp"
@@ -16,6 +17,13 @@ struct TransmitterRange {
   double distance_m = 0.0;         ///< horizontal
   double sigma_m = 0.0;
 };
+
+/// Descending by probability; equals keep their order. There are few floors: nothing is allocated.
+inline void most_probable_first(std::span<FloorProbability> floors) {
+  for (std::size_t i = 1; i < floors.size(); ++i) {
+    for (std::size_t k = i; k > 0 && floors[k - 1].probability < floors[k].probability; --k) std::swap(floors[k - 1], floors[k]);
+  }
+}
 
 /// What one scan says about the phone's place. Made for one radio map, immutable and shared; the object itself holds the
 /// newest scan's answer and is confined to one session.

@@ -61,7 +61,7 @@ class NearestNeighboursLocator final : public Locator {
       }
       if (share > 0.0) floors_.push_back({floor, share});
     }
-    std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+    most_probable_first(floors_);
     if (floors_.size() == 1) floors_.front().probability = 1.0;
   }
 

@@ -45,7 +45,7 @@ class ProbabilisticLocator final : public Locator {
       }
       floors_.push_back({floor, share});
     }
-    std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+    most_probable_first(floors_);
   }
 
   Fix mean(const FloorProbability& floor) const {

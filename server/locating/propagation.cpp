@@ -42,7 +42,7 @@ class PropagationLocator final : public Locator {
       sum += voice;
     }
     for (auto& each : floors_) each.probability /= sum;
-    std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+    most_probable_first(floors_);
   }
 
   std::optional<Fix> search(FloorOrdinal floor) const {

@@ -132,7 +132,7 @@ void RadioFieldLocator::vote() {
     total += vote;
   }
   for (FloorProbability& each : floors_) each.probability /= total;
-  std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+  most_probable_first(floors_);
 }
 
 const RadioField::Storey* RadioFieldLocator::storey(FloorOrdinal floor) const {

@@ -62,7 +62,7 @@ class SimilarityLocator final : public Locator {
       total += floors_.back().probability;
     }
     for (FloorProbability& vote : floors_) vote.probability /= total;
-    std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+    most_probable_first(floors_);
   }
 
   Fix mean(FloorOrdinal floor) {

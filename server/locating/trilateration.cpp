@@ -53,7 +53,7 @@ void TrilaterationLocator::vote() {
     sum += voice;
   }
   for (auto& each : floors_) each.probability /= sum;
-  std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+  most_probable_first(floors_);
 }
 
 void TrilaterationLocator::measure(const RssScan& scan, FloorOrdinal floor) {

@@ -208,7 +208,7 @@ bool FieldTracker::believe_floors() {
     }
     for (FloorProbability& belief : floors_) belief.probability = total > 0.0 ? belief.probability / total : 1.0 / static_cast<double>(floors_.size());
   }
-  std::ranges::stable_sort(floors_, std::ranges::greater{}, &FloorProbability::probability);
+  most_probable_first(floors_);
   foreign_floor_ = 0;
   const FloorOrdinal best = floors_.front().floor;
   const bool climbed = floor_ && *floor_ != best;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/locating/locator.hpp"
+
 namespace wayfuse {
 
 FloorVote::FloorVote(const FloorVoteSettings& settings, std::span<const FloorOrdinal> floors) : settings_(settings) {
@@ -41,7 +43,7 @@ std::vector<FloorProbability> FloorVote::probabilities() const {
     sum += each.probability;
   }
   for (auto& each : sorted) each.probability /= sum;
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, &FloorProbability::probability);
+  most_probable_first(sorted);
   return sorted;
 }
 

@@ -11,14 +11,18 @@ constexpr std::size_t kMostMarks = 1024;
 void Odometry::move(PhoneTime time, double dx_m, double dy_m) {
   const BuildingPoint last = now();
   trail_.push_back({time, {last.x_m + dx_m, last.y_m + dy_m}});
-  while (trail_.size() > 2 && (trail_.front().time + kRemembered < time || trail_.size() > kMostMarks)) trail_.pop_front();
+  while (trail_.size() - first_ > 2 && (trail_[first_].time + kRemembered < time || trail_.size() - first_ > kMostMarks)) ++first_;
+  if (first_ <= trail_.size() / 2) return;
+  trail_.erase(trail_.begin(), trail_.begin() + static_cast<std::ptrdiff_t>(first_));
+  first_ = 0;
 }
 
 BuildingPoint Odometry::at(PhoneTime time) const {
-  if (trail_.empty()) return {};
-  const auto after = std::ranges::lower_bound(trail_, time, {}, &Mark::time);
-  if (after == trail_.begin()) return trail_.front().point;
-  if (after == trail_.end()) return trail_.back().point;
+  const auto trail = remembered();
+  if (trail.empty()) return {};
+  const auto after = std::ranges::lower_bound(trail, time, {}, &Mark::time);
+  if (after == trail.begin()) return trail.front().point;
+  if (after == trail.end()) return trail.back().point;
   const Mark& before = *(after - 1);
   const double share = seconds(time - before.time) / seconds(after->time - before.time);
   return {before.point.x_m + share * (after->point.x_m - before.point.x_m),

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <deque>
+#include <cstddef>
+#include <span>
+#include <vector>
 
 #include "wayfuse/proto/place.hpp"
 #include "wayfuse/proto/time.hpp"
@@ -21,7 +23,10 @@ class Odometry {
     PhoneTime time;
     BuildingPoint point;
   };
-  std::deque<Mark> trail_;
+  std::span<const Mark> remembered() const { return std::span(trail_).subspan(first_); }
+
+  std::vector<Mark> trail_;        // forgotten marks in front go in bulk, so that nothing is allocated for long
+  std::size_t first_ = 0;          // that is remembered
 };
 
 }  // namespace wayfuse

@@ -1,6 +1,7 @@
 #include "server/pipeline/walker_cloud.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -50,10 +51,7 @@ WalkerSettings walker_settings(const PartSettings& s) {
 
 WalkerCloud::WalkerCloud(const WalkerSettings& settings)
     : settings_(settings),
-      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale),
-      x_then_m_(cloud_.size()),
-      y_then_m_(cloud_.size()),
-      gained_(cloud_.size()) {}
+      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale) {}
 
 // Compass error and stride of fresh particles; then each is carried on as it would have walked.
 void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
@@ -146,25 +144,36 @@ void WalkerCloud::resample(Random& random) {
   }
 }
 
-double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
+// Where the walkers from `begin` on were before `carried` was walked.
+void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::span<float> x_then_m, std::span<float> y_then_m) const {
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
-  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+  for (std::size_t k = 0; k < x_then_m.size(); ++k) {
+    const std::size_t i = begin + k;
     const CosineAndSine way = cosine_and_sine(bias[i]);
     const float c = scale[i] * way.cosine, s = scale[i] * way.sine;
-    x_then_m_[i] = x[i] - (c * dx - s * dy);
-    y_then_m_[i] = y[i] - (s * dx + c * dy);
+    x_then_m[k] = x[i] - (c * dx - s * dy);
+    y_then_m[k] = y[i] - (s * dx + c * dy);
   }
-  std::ranges::fill(gained_, 0.0f);
-  locator.add_log_likelihood(x_then_m_, y_then_m_, floor, gained_);
+}
+
+double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
+  const auto gained = gained_.get(cloud_.size());
+  std::ranges::fill(gained, 0.0f);
+  std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
+  for (std::size_t begin = 0; begin < cloud_.size(); begin += x_then_m.size()) {
+    const std::size_t count = std::min(x_then_m.size(), cloud_.size() - begin);
+    walked_back(begin, carried, {x_then_m.data(), count}, {y_then_m.data(), count});
+    locator.add_log_likelihood({x_then_m.data(), count}, {y_then_m.data(), count}, floor, gained.subspan(begin, count));
+  }
   float best = -INFINITY;
-  for (const float each : gained_) best = std::isfinite(each) ? std::max(best, each) : best;
+  for (const float each : gained) best = std::isfinite(each) ? std::max(best, each) : best;
   if (!std::isfinite(best)) return 1.0;
   double agree = 0.0;
   const auto weight = static_cast<float>(settings_.weight), outlier = static_cast<float>(settings_.outlier);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const float share = std::exp(gained_[i] - best);
-    if (gained_[i] > best - kAgree) agree += std::exp(static_cast<double>(cloud_.log_weight()[i]));
+    const float share = std::exp(gained[i] - best);
+    if (gained[i] > best - kAgree) agree += std::exp(static_cast<double>(cloud_.log_weight()[i]));
     cloud_.log_weight()[i] += weight * std::log(share + outlier);
   }
   cloud_.normalise();

@@ -6,6 +6,7 @@
 
 #include "server/locating/locator.hpp"
 #include "server/tracking/particle_cloud.hpp"
+#include "server/tracking/scratch.hpp"
 #include "server/tracking/walkable_area.hpp"
 #include "wayfuse/proto/part.hpp"
 #include "wayfuse/proto/random.hpp"
@@ -68,15 +69,14 @@ class WalkerCloud {
   Spread spread() const;
 
  private:
+  void walked_back(std::size_t begin, BuildingPoint carried, std::span<float> x_then_m, std::span<float> y_then_m) const;
   void scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random);
   void resample(Random& random);
   bool open(float x_m, float y_m) const { return !plan_ || plan_->open(x_m, y_m); }
 
   WalkerSettings settings_;
   ParticleCloud cloud_;
-  std::vector<float> x_then_m_;    // scratch: walkers when the scan was heard
-  std::vector<float> y_then_m_;
-  std::vector<float> gained_;
+  Scratch<float> gained_;          // log-likelihood of the newest scan
   const WalkableArea::Plan* plan_ = nullptr;
   double on_foot_s_ = 0.0;         // since copies were last kept apart
   bool started_ = false;

@@ -16,12 +16,12 @@ namespace wayfuse {
 /// Evidence is applied at once, so nothing waits for stragglers. A straggler within `window` of the newest evidence makes
 /// the tracker go back to a copy taken before it and apply the rest again: the final state is the same for every order of
 /// arrival inside the window, bit for bit [SAFETY C15, R16]. Older evidence is refused.
-/// Thread: confined to its session. Memory: at most five copies of the tracker and the evidence of about three seconds; a
+/// Thread: confined to its session. Memory: at most three copies of the tracker and the evidence of about four seconds; a
 /// flood beyond kReadingsMost in that time shortens the window instead.
 class Timeline {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(2);
-  static constexpr Duration kCopyEvery = std::chrono::seconds(1);
+  static constexpr Duration kCopyEvery = std::chrono::seconds(2);
   static constexpr std::size_t kReadingsMost = 16384;  ///< kept for a rewind; a motion report counts as one
 
   explicit Timeline(std::unique_ptr<Tracker> tracker, Duration window = kWindow);

@@ -10,13 +10,12 @@
 
 namespace wayfuse {
 
-ParticleCloud::ParticleCloud(std::size_t size, unsigned optional_columns) : size_(size), ancestors_(size) {
+ParticleCloud::ParticleCloud(std::size_t size, unsigned optional_columns) : size_(size) {
   const std::size_t padded = (size + 15) / 16 * 16;
   const unsigned columns = optional_columns | 1u << kX | 1u << kY | 1u << kLogWeight;
   for (unsigned column = 0; column < kColumns; ++column) {
     if (columns >> column & 1u) column_[column].assign(padded, 0.0f);
   }
-  spare_.assign(padded, 0.0f);
   weight_.assign(padded, 0.0f);
   std::ranges::fill(column_[kLogWeight], -std::numeric_limits<float>::infinity());
   level();
@@ -58,14 +57,16 @@ bool ParticleCloud::normalise() {
 }
 
 void ParticleCloud::take_ancestors() {
+  const auto from = ancestors();
   for (unsigned column = 0; column < kLogWeight; ++column) {
     auto& values = column_[column];
     if (values.empty()) continue;
+    const auto taken = spare_.get(values.size());
     for (std::size_t i = 0; i < size_; ++i) {
-      assert(ancestors_[i] < size_);
-      spare_[i] = values[ancestors_[i]];
+      assert(from[i] < size_);
+      taken[i] = values[from[i]];
     }
-    values.swap(spare_);
+    spare_.swap(values);
   }
   level();
 }

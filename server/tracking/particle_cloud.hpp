@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "server/tracking/scratch.hpp"
+
 namespace wayfuse {
 
 /// N particles as packed columns of floats (structure of arrays), each column padded to a multiple of 16.
@@ -23,7 +25,7 @@ class ParticleCloud {
 
   std::size_t size() const { return size_; }
   /// Entries every column really holds: those past size() belong to nobody, and their log weights are -inf.
-  std::size_t padded_size() const { return spare_.size(); }
+  std::size_t padded_size() const { return weight_.size(); }
   bool has(Column column) const { return !column_[column].empty(); }
 
   std::span<float> operator[](Column column) { return {column_[column].data(), has(column) ? size_ : 0}; }
@@ -54,15 +56,15 @@ class ParticleCloud {
   /// Particle i becomes a copy of particle ancestors()[i]; all weights become equal.
   void take_ancestors();
   /// Scratch for resamplers, one entry a particle.
-  std::span<std::uint32_t> ancestors() { return ancestors_; }
+  std::span<std::uint32_t> ancestors() { return ancestors_.get(size_); }
 
  private:
   std::size_t size_ = 0;
   std::vector<float> column_[kColumns];
-  std::vector<float> spare_;
+  Scratch<float> spare_;
   std::vector<float> weight_;
   double effective_size_ = 0.0;
-  std::vector<std::uint32_t> ancestors_;
+  Scratch<std::uint32_t> ancestors_;
 };
 
 }  // namespace wayfuse

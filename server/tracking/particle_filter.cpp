@@ -14,8 +14,7 @@ ParticleFilter::ParticleFilter(const ParticleFilterSettings& settings, std::shar
     : settings_(settings),
       motion_(std::move(motion)),
       resampler_(std::move(resampler)),
-      cloud_(static_cast<std::size_t>(settings.particles), motion_->columns()),
-      gained_(static_cast<std::size_t>(settings.particles)) {}
+      cloud_(static_cast<std::size_t>(settings.particles), motion_->columns()) {}
 
 void ParticleFilter::start(const GaussianState& about, Random& random) {
   const auto scatter = [&](std::span<float> column, double mean, double variance) {
@@ -41,11 +40,12 @@ void ParticleFilter::predict(const Motion& motion, Random& random) {
 
 bool ParticleFilter::update(const MeasurementModel& measurement, Random& random) {
   assert(started_);
-  std::ranges::fill(gained_, 0.0f);
-  measurement.weigh(cloud_, gained_);
-  if (std::ranges::none_of(gained_, [](float gain) { return std::isfinite(gain); })) return false;
+  const auto gained = gained_.get(cloud_.size());
+  std::ranges::fill(gained, 0.0f);
+  measurement.weigh(cloud_, gained);
+  if (std::ranges::none_of(gained, [](float gain) { return std::isfinite(gain); })) return false;
   const auto weights = cloud_.log_weight();
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += gained_[i];
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += gained[i];
   cloud_.normalise();
   if (cloud_.effective_size() <= settings_.resample_below * static_cast<double>(cloud_.size())) {
     resampler_->resample(cloud_, random);

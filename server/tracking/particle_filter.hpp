@@ -32,7 +32,7 @@ class ParticleFilter final : public Filter {
   std::shared_ptr<const MotionModel> motion_;
   std::shared_ptr<const Resampler> resampler_;
   ParticleCloud cloud_;
-  std::vector<float> gained_;      // log-likelihood of the newest measurement
+  Scratch<float> gained_;          // log-likelihood of the newest measurement
   bool started_ = false;
 };
 

@@ -1,4 +1,5 @@
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "server/locating/radio_map.hpp"
 #include "server/locating/rss_distance.hpp"
 #include "server/pipeline/tracker.hpp"
+#include "server/sessions/timeline.hpp"
 #include "server/tracking/fix_measurement.hpp"
 #include "server/tracking/particle_filter.hpp"
 #include "server/tracking/resamplers.hpp"
@@ -111,29 +113,30 @@ BENCHMARK(match_wayfuse)->Args({10000, 500})->Args({100000, 2000})->Unit(benchma
 
 // --- a session of a preset: a step, and a scan -------------------------------------------------------------------------------
 
-void session(benchmark::State& state, const char* preset_name, bool scans) {
+RssScan session_scan(BuildingPoint at, Random& random) {
+  RssScan scan;
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const double d_m = distance_m(at, {7.0 * static_cast<double>(i % 10), 7.0 * static_cast<double>(i / 10)});
+    if (d_m < 25.0) scan.readings.push_back({Bssid{i + 1}, -40.0 - 2.0 * d_m + 3.0 * random.normal(), {}, 2412, {}, {}});
+  }
+  return scan;
+}
+
+std::shared_ptr<const TrackerFactory> session_pipeline(const char* preset_name) {
   auto site = std::make_shared<Site>();
   Random random(2);
-  const auto scan_at = [&](BuildingPoint at) {
-    RssScan scan;
-    for (std::uint64_t i = 0; i < 60; ++i) {
-      const double d_m = distance_m(at, {7.0 * static_cast<double>(i % 10), 7.0 * static_cast<double>(i / 10)});
-      if (d_m < 25.0) scan.readings.push_back({Bssid{i + 1}, -40.0 - 2.0 * d_m + 3.0 * random.normal(), {}, 2412, {}, {}});
-    }
-    return scan;
-  };
   for (int i = 0; i < 600; ++i) {
     ReferencePoint point;
     point.place.point = {2.0 * (i % 30), 2.0 * (i / 30)};
     point.walk = "walk-" + std::to_string(i / 60);
-    point.scans = {scan_at(point.place.point)};
+    point.scans = {session_scan(point.place.point, random)};
     point.scans[0].time = PhoneTime{std::chrono::seconds(i)};
     site->survey.push_back(std::move(point));
   }
-  const auto factory = *assemble(*preset(preset_name), site);
-  const auto tracker = factory->make_tracker(Random(1));
-  PhoneTime time{std::chrono::seconds(1000)};
-  RssScan scan = scan_at({20, 20});
+  return *assemble(*preset(preset_name), site);
+}
+
+MotionReport session_step() {
   MotionReport step;
   step.reference = HeadingReference::kTrue;
   step.interval = std::chrono::milliseconds(500);
@@ -141,6 +144,15 @@ void session(benchmark::State& state, const char* preset_name, bool scans) {
   step.steps = 1;
   step.step_length_m = 0.7;
   step.distance_sigma_m = 0.1;
+  return step;
+}
+
+void session(benchmark::State& state, const char* preset_name, bool scans) {
+  const auto tracker = session_pipeline(preset_name)->make_tracker(Random(1));
+  Random random(3);
+  PhoneTime time{std::chrono::seconds(1000)};
+  RssScan scan = session_scan({20, 20}, random);
+  MotionReport step = session_step();
   for (int i = 0; i < 10; ++i) {
     scan.time = time += std::chrono::seconds(2);
     tracker->feed(scan);
@@ -162,6 +174,33 @@ BENCHMARK_CAPTURE(session, p1_step, "p1", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, p1_scan, "p1", true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_step, "default", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_scan, "default", true)->Unit(benchmark::kMicrosecond);
+
+// What a walking session holds: its tracker, the copies it may go back to, the evidence of the last seconds.
+void session_memory(benchmark::State& state, const char* preset_name) {
+  constexpr std::size_t kSessions = 500;
+  const auto pipeline = session_pipeline(preset_name);
+  std::vector<std::unique_ptr<Timeline>> sessions;
+  sessions.reserve(kSessions);
+  Random random(3);
+  const RssScan heard = session_scan({20, 20}, random);
+  for (auto _ : state) {
+    const std::size_t before = mallinfo2().uordblks;
+    for (std::size_t i = 0; i < kSessions; ++i) {
+      sessions.push_back(std::make_unique<Timeline>(pipeline->make_tracker(Random(i))));
+      for (std::uint64_t k = 1; k <= 60; ++k) {  // two steps a second, a scan every three
+        Sample sample{k, session_step()};
+        if (k % 7 == 1) sample.body = heard;
+        std::visit([&](auto& body) { body.time = PhoneTime{std::chrono::milliseconds(500 * k)}; }, sample.body);
+        sessions.back()->take(sample);
+        sessions.back()->catch_up();
+      }
+    }
+    state.counters["kB a session"] = static_cast<double>(mallinfo2().uordblks - before) / kSessions / 1000.0;
+    sessions.clear();
+  }
+}
+BENCHMARK_CAPTURE(session_memory, default, "default")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(session_memory, p1, "p1")->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace wayfuse
