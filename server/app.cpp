@@ -146,13 +146,17 @@ void App::sweep() {
   board_.sweep(clock_.wall_now() - kGoneShown);
 }
 
-void App::reload() {
-  const auto loaded = listener_->reload_tls();
-  if (loaded) {
-    log_.info("reloaded");
-  } else {
-    log_.error("reload_failed", {{"fault", to_string(loaded.fault())}});
+void App::reload(const ServerConfig& wanted) {
+  log_.set_level(wanted.log_level);
+  for (const ConfigSetting& setting : config_settings()) {
+    if (!setting.reloads && setting.show(wanted) != setting.show(config_)) log_.warn("restart_needed", {{"key", std::string(setting.key)}});
   }
+  if (const auto loaded = listener_->reload_tls(); !loaded) return refuse_reload(loaded.fault());
+  log_.info("reloaded");
+}
+
+void App::refuse_reload(const Fault& fault) {
+  log_.error("reload_failed", {{"fault", to_string(fault)}});
 }
 
 // The order matters: while clients leave, the store still answers; when it has closed, its answers still find their strands.

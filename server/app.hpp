@@ -31,8 +31,10 @@ class App final : public ServerControl {
   /// The admin key made on the first start; empty otherwise, or when it went to a file.
   const std::string& first_key() const { return first_key_; }
 
-  /// SIGHUP: reads certificate and key again.
-  void reload();
+  /// SIGHUP: reads certificate and key again and takes the keys of `wanted` that reload; names those that wait for a restart.
+  void reload(const ServerConfig& wanted);
+  /// SIGHUP with a configuration that does not serve: said in the log, nothing changes.
+  void refuse_reload(const Fault& fault);
   /// SIGTERM: not ready, nobody new, everybody told, everything stored [SAFETY C20].
   void drain();
 

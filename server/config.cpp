@@ -54,7 +54,12 @@ std::string show_number(double value) {
   return text.str();
 }
 std::string in_quotes(Text text) {
-  return "\"" + std::string(text) + "\"";
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"' || letter == '\\') quoted += '\\';
+    quoted += letter;
+  }
+  return quoted + '"';
 }
 
 Result<void> take_level(ServerConfig& config, Text key, Text text) {
@@ -99,9 +104,9 @@ const std::array kSettings = {
     ConfigSetting{"listen.plain_beyond_loopback", "plain HTTP on any address: only behind a proxy that speaks TLS",
                   [](Config& c, Text key, Text text) { return take_switch(c.net.plain_beyond_loopback, key, text); },
                   [](const Config& c) { return std::string(c.net.plain_beyond_loopback ? "true" : "false"); }},
-    ConfigSetting{"tls.certificate", "PEM file with the chain; empty = no TLS; read again at SIGHUP",
+    ConfigSetting{"tls.certificate", "PEM file with the chain; empty = no TLS; its content is read again at SIGHUP",
                   WAYFUSE_TEXT(net.tls_certificate)},
-    ConfigSetting{"tls.key", "PEM file with the private key", WAYFUSE_TEXT(net.tls_key)},
+    ConfigSetting{"tls.key", "PEM file with the private key; its content is read again at SIGHUP", WAYFUSE_TEXT(net.tls_key)},
     ConfigSetting{"limits.connections", "open at a time, 1..1000000", WAYFUSE_COUNT(net.connections_most, 1, 1'000'000)},
     ConfigSetting{"limits.half_open", "connections without a complete request, 1..1000000",
                   WAYFUSE_COUNT(net.half_open_most, 1, 1'000'000)},
@@ -128,8 +133,8 @@ const std::array kSettings = {
                   WAYFUSE_SECONDS(sessions.hello_deadline, 0.1, 600)},
     ConfigSetting{"sessions.idle_s", "without a valid message before the connection is closed, 1..86400 s",
                   WAYFUSE_SECONDS(sessions.idle_deadline, 1, 86400)},
-    ConfigSetting{"log.level", "debug, info, warn, error or off", take_level,
-                  [](const Config& c) { return in_quotes(c.log_level); }},
+    ConfigSetting{"log.level", "debug, info, warn, error or off; read again at SIGHUP", take_level,
+                  [](const Config& c) { return in_quotes(c.log_level); }, true},
 };
 #undef WAYFUSE_TEXT
 #undef WAYFUSE_COUNT
@@ -233,8 +238,11 @@ Result<CommandLine> read_command_line(std::span<const char* const> arguments, co
       line.help = true;
     } else if (argument == "--version") {
       line.version = true;
-    } else if (argument == "--check") {
+    } else if (argument == "--check" || argument == "--check-json") {
       line.check_only = true;
+      line.check_as_json = argument == "--check-json";
+    } else if (argument == "--print-config") {
+      line.print_config = true;
     } else if (argument.starts_with("--")) {
       const std::size_t equals = argument.find('=');
       const std::string key(argument.substr(2, equals == Text::npos ? Text::npos : equals - 2));
@@ -264,7 +272,8 @@ std::string help_text() {
   std::ostringstream help;
   help << "wayfused: the wayfuse positioning server\n\n"
           "  wayfused [--config FILE] [--KEY VALUE]...   serve until SIGTERM\n"
-          "  wayfused --check [...]                      check the configuration and leave\n"
+          "  wayfused --check | --check-json [...]       look whether it could serve with this configuration, and leave\n"
+          "  wayfused --print-config [...]               print it as a TOML file with every key, and leave\n"
           "  wayfused --help | --version\n\n"
           "Keys are the same in the TOML file ([section] name = value), as flags (--section.name value) and in the\n"
           "environment (WAYFUSE_SECTION_NAME). Flags win over the environment, the environment over the file.\n\n";
@@ -273,6 +282,24 @@ std::string help_text() {
     help << "  " << setting.key << " = " << setting.show(standard) << "\n      " << setting.meaning << "\n";
   }
   return help.str();
+}
+
+std::string toml_text(const ServerConfig& config) {
+  std::ostringstream text;
+  text << "# Configuration of wayfused. What is commented out stands at its default.\n"
+          "# Flags and WAYFUSE_SECTION_NAME in the environment win over this file. `wayfused --check --config THIS` looks it over.\n";
+  const ServerConfig standard;
+  Text section;
+  for (const ConfigSetting& setting : kSettings) {
+    const auto dot = setting.key.find('.');
+    if (setting.key.substr(0, dot) != section) {
+      section = setting.key.substr(0, dot);
+      text << "\n[" << section << "]\n";
+    }
+    const std::string value = setting.show(config);
+    text << "# " << setting.meaning << '\n' << (value == setting.show(standard) ? "# " : "") << setting.key.substr(dot + 1) << " = " << value << '\n';
+  }
+  return text.str();
 }
 
 }  // namespace wayfuse

@@ -31,6 +31,7 @@ struct ConfigSetting {
   std::string_view meaning;  ///< with unit and range
   Result<void> (*take)(ServerConfig&, std::string_view key, std::string_view text);
   std::string (*show)(const ServerConfig&);
+  bool reloads = false;      ///< takes effect at SIGHUP; any other change waits for a restart
 };
 std::span<const ConfigSetting> config_settings();
 /// `listen.port` -> `WAYFUSE_LISTEN_PORT`.
@@ -45,12 +46,15 @@ struct CommandLine {
   bool help = false;
   bool version = false;
   bool check_only = false;
+  bool check_as_json = false;
+  bool print_config = false;
 };
 
 /// File (`--config FILE` or WAYFUSE_CONFIG), then environment, then flags; the later wins. `environment` as in main().
 Result<CommandLine> read_command_line(std::span<const char* const> arguments, const char* const* environment);
 
-/// The table as a TOML file with every default, and as the help text.
 std::string help_text();
+/// The configuration as the TOML file that gives it: every key with its meaning, those that stand at their default commented out.
+std::string toml_text(const ServerConfig& config);
 
 }  // namespace wayfuse

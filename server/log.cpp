@@ -25,6 +25,10 @@ Log::Log(const std::string& level) : sink_(std::make_unique<Sink>()) {
 }
 Log::~Log() = default;
 
+void Log::set_level(const std::string& level) {
+  sink_->logger.set_level(spdlog::level::from_str(level));
+}
+
 void Log::info(std::string_view event, const Fields& fields) {
   sink_->write(spdlog::level::info, event, fields);
 }

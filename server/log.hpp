@@ -18,6 +18,8 @@ class Log {
   explicit Log(const std::string& level);
   ~Log();
 
+  /// From now on. Thread: any.
+  void set_level(const std::string& level);
   void info(std::string_view event, const Fields& fields = {});
   void warn(std::string_view event, const Fields& fields = {});
   void error(std::string_view event, const Fields& fields = {});

@@ -1,6 +1,7 @@
 // wayfuse: the operator's command line. Every command is one request to the admin API.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -8,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "admin/cli/api_client.hpp"
+#include "admin/cli/completion.hpp"
+#include "admin/cli/doctor.hpp"
 #include "admin/cli/table.hpp"
 
 namespace {
@@ -31,6 +34,7 @@ struct Program {
   std::string id, file, name, format = "csv";
   std::vector<std::string> scopes;
   double expires_in_s = 0;
+  DoctorSettings doctor;
   Call call;
 };
 
@@ -144,12 +148,28 @@ void add_operation_commands(CLI::App& app, Program& program) {
   });
 }
 
+CLI::App* add_doctor_command(CLI::App& app, Program& program) {
+  auto* doctor = app.add_subcommand("doctor", "Find what is misconfigured on this machine and at the server, and how to mend it");
+  doctor->add_option("--config", program.doctor.config, "The server's configuration file")->capture_default_str();
+  doctor->add_option("--wayfused", program.doctor.wayfused, "The server's program")->capture_default_str();
+  doctor->add_option("--user", program.doctor.user, "As whom the server runs; root looks with that user's eyes")->capture_default_str();
+  return doctor;
+}
+
+// `wayfuse complete -- WORD...`: what may stand where the last word stands; for the shell.
+int complete(const CLI::App& app, int argc, char** argv) {
+  const std::vector<std::string> words(argv + std::min(argc, 3), argv + argc);
+  for (const std::string& word : completions(app, words)) std::cout << word << "\n";
+  return EXIT_SUCCESS;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Program program;
   CLI::App app("wayfuse: run a building's positioning from the command line");
   app.require_subcommand(1);
+  app.fallthrough();  // --json and its like may stand anywhere
   app.add_option("--server", program.connection.server, "Base URL of wayfused")->envname("WAYFUSE_SERVER")->default_val("http://127.0.0.1:8420");
   app.add_option("--key", program.connection.key, "API key; better given as WAYFUSE_KEY")->envname("WAYFUSE_KEY");
   app.add_option("--authority", program.connection.authority, "PEM file with the certificate authority to trust")->envname("WAYFUSE_AUTHORITY")->check(CLI::ExistingFile);
@@ -158,8 +178,11 @@ int main(int argc, char** argv) {
   add_survey_commands(app, program);
   add_key_commands(app, program);
   add_operation_commands(app, program);
+  const CLI::App* doctor = add_doctor_command(app, program);
+  if (argc > 1 && std::string_view(argv[1]) == "complete") return complete(app, argc, argv);
   try {
     app.parse(argc, argv);
+    if (*doctor) return report(examine(program.connection, program.doctor), program.json);
     return perform(program);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

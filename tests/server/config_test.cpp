@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <set>
+#include <sstream>
 
 #include "tests/fixtures/scratch_folder.hpp"
 
@@ -53,6 +54,39 @@ TEST(Config, EveryDefaultIsWithinItsOwnRange) {
     EXPECT_TRUE(environment.insert(environment_name(setting.key)).second);
     EXPECT_NE(help_text().find(setting.key), std::string::npos);
   }
+}
+
+TEST(Config, PrintedItReadsBackAsItself) {
+  ServerConfig config;
+  ASSERT_TRUE(set(config, "server.data", "/srv/a \"b\" \\c"));
+  ASSERT_TRUE(set(config, "listen.port", "4711"));
+  ASSERT_TRUE(set(config, "listen.plain_beyond_loopback", "true"));
+  ScratchFolder folder;
+  const std::string file = (folder.path() / "wayfused.toml").string();
+  std::ofstream(file) << toml_text(config);
+  const char* arguments[] = {"wayfused", "--config", file.c_str()};
+  const auto line = read_command_line(arguments, nullptr);
+  ASSERT_TRUE(line) << to_string(line.fault());
+  for (const ConfigSetting& setting : config_settings()) EXPECT_EQ(setting.show(line->config), setting.show(config)) << setting.key;
+}
+
+// Every value it prints is valid where it stands, also those commented out: an operator uncomments them.
+TEST(Config, EveryKeyOfThePrintedFileCanBeUncommented) {
+  std::istringstream text(toml_text(ServerConfig{}));
+  std::string whole;
+  std::size_t keys = 0;
+  for (std::string line; std::getline(text, line);) {
+    const bool key = line.starts_with("# ") && line.find(" = ") != std::string::npos && line.find(' ', 2) == line.find(" = ");
+    whole += (key ? line.substr(2) : line) + "\n";
+    keys += key;
+  }
+  EXPECT_EQ(keys, config_settings().size());
+  ScratchFolder folder;
+  const std::string file = (folder.path() / "wayfused.toml").string();
+  std::ofstream(file) << whole;
+  const char* arguments[] = {"wayfused", "--config", file.c_str()};
+  const auto line = read_command_line(arguments, nullptr);
+  EXPECT_TRUE(line) << to_string(line.fault());
 }
 
 }  // namespace
