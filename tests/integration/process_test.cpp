@@ -1,6 +1,11 @@
 // The program itself: configuration, TLS, a second one on the same folder, a foreign library.
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -86,6 +91,86 @@ TEST_F(Process, TlsFromOnePointTwoAndANewCertificateAtSighup) {
   int served = 1;
   for (int i = 0; i < 100 && served != 0; ++i) served = curl("");
   EXPECT_EQ(served, 0);
+}
+
+TEST_F(Process, SighupTakesTheLogLevelAndNamesWhatWaitsForARestart) {
+  write("wayfused.toml", "[log]\nlevel = \"info\"\n[sessions]\nidle_s = 600\n");
+  start({"--config", path("wayfused.toml")});
+  write("wayfused.toml", "[log]\nlevel = \"warn\"\n[sessions]\nidle_s = 60\n");
+  server->signal(SIGHUP);
+  server->signal(SIGTERM);  // pending signals are taken by number: SIGHUP first
+  EXPECT_EQ(server->wait(10), 0);
+  EXPECT_NE(server->errors().find(R"("event":"restart_needed","key":"sessions.idle_s")"), std::string::npos) << server->errors();
+  EXPECT_EQ(server->errors().find("draining"), std::string::npos) << "below the new level";
+  write("wayfused.toml", "[sessions]\ncolour = \"red\"\n");
+  EXPECT_EQ(refused({"--config", path("wayfused.toml")}), 2);
+}
+
+TEST_F(Process, ABrokenFileAtSighupChangesNothing) {
+  write("wayfused.toml", "");
+  start({"--config", path("wayfused.toml")});
+  write("wayfused.toml", "[sessions]\ncolour = \"red\"\n");
+  server->signal(SIGHUP);
+  EXPECT_EQ(http(where(), "GET", "/readyz").status, 200);
+  server->signal(SIGTERM);
+  EXPECT_EQ(server->wait(10), 0);
+  EXPECT_NE(server->errors().find("reload_failed"), std::string::npos) << server->errors();
+  EXPECT_NE(server->errors().find("sessions.colour"), std::string::npos) << server->errors();
+}
+
+// Plays systemd: a datagram socket that hears how the server stands.
+TEST_F(Process, TheServiceManagerIsToldHowItStands) {
+  const int manager = ::socket(AF_UNIX, SOCK_DGRAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string name = path("notify");
+  name.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(manager, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  const auto heard = [&] {
+    char text[64] = {};
+    pollfd waited{manager, POLLIN, 0};
+    if (::poll(&waited, 1, 10'000) == 1) (void)!::recv(manager, text, sizeof text - 1, 0);
+    return std::string(text);
+  };
+  ::setenv("NOTIFY_SOCKET", name.c_str(), 1);
+  start();
+  ::unsetenv("NOTIFY_SOCKET");
+  EXPECT_EQ(heard(), "READY=1");
+  server->signal(SIGHUP);
+  EXPECT_EQ(heard(), "RELOADING=1");
+  EXPECT_EQ(heard(), "READY=1");
+  server->signal(SIGTERM);
+  EXPECT_EQ(heard(), "STOPPING=1");
+  EXPECT_EQ(server->wait(10), 0);
+  ::close(manager);
+}
+
+TEST_F(Process, TheDoctorFindsWhatIsWrongAndSaysHowToMendIt) {
+  const std::string binaries = WAYFUSE_BINARY_DIR;
+  const auto doctor = [&](const std::string& url, const std::string& with_key, const std::string& config) {
+    const std::string command = "WAYFUSE_KEY=" + with_key + " " + binaries + "/admin/wayfuse --server " + url + " --json doctor --user '' --wayfused " +
+                                binaries + "/server/wayfused --config " + path(config) + " >" + path("said") + " 2>&1";
+    const int status = std::system(command.c_str());
+    std::stringstream text;
+    text << std::ifstream(path("said")).rdbuf();
+    return std::to_string(WEXITSTATUS(status)) + " " + text.str();
+  };
+  start();
+  const std::string url = "http://127.0.0.1:" + std::to_string(port());
+  write("good.toml", "[server]\ndata = \"" + data() + "\"\n[listen]\nport = " + std::to_string(port()) + "\n");
+  const std::string healthy = doctor(url, key, "good.toml");
+  EXPECT_EQ(healthy.substr(0, 13), R"(0 {"errors":0)") << healthy;
+  EXPECT_NE(healthy.find("is in use, by the server that runs"), std::string::npos) << healthy;
+  EXPECT_NE(healthy.find("there is no building"), std::string::npos) << healthy;
+
+  const std::string wrong_key = doctor(url, "wf_wrong", "good.toml");
+  EXPECT_EQ(wrong_key.substr(0, 13), R"(1 {"errors":1)") << wrong_key;
+  EXPECT_NE(wrong_key.find("not known, revoked or expired"), std::string::npos) << wrong_key;
+  write("bad.toml", "[sessions]\ncolour = \"red\"\n");
+  EXPECT_NE(doctor(url, key, "bad.toml").find("sessions.colour"), std::string::npos);
+  server->signal(SIGTERM);
+  EXPECT_EQ(server->wait(10), 0);
+  EXPECT_NE(doctor(url, key, "good.toml").find("systemctl start wayfused"), std::string::npos);
 }
 
 TEST_F(Process, AForeignLibrarySpeaksTheProtocol) {

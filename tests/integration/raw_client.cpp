@@ -1,7 +1,9 @@
 #include "tests/integration/raw_client.hpp"
 
-#include <netinet/in.h>
+#include <netdb.h>
+#include <openssl/ssl.h>
 #include <poll.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -11,45 +13,76 @@
 
 namespace wayfuse {
 
-RawSocket::RawSocket(std::uint16_t port) : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) ended_ = true;
+Endpoint::Endpoint(std::string_view url, std::string_view trusted) : tls(url.starts_with("https://")), authority(trusted) {
+  const auto begin = url.find("://");
+  const auto colon = url.rfind(':');
+  if (begin == std::string_view::npos || colon <= begin) throw std::invalid_argument("not a URL with a port: " + std::string(url));
+  host = url.substr(begin + 3, colon - begin - 3);
+  port = static_cast<std::uint16_t>(std::stoi(std::string(url.substr(colon + 1))));
+}
+
+struct RawSocket::Tls {
+  Tls(const Endpoint& where, int descriptor) {
+    ::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes without MSG_NOSIGNAL
+    SSL_CTX_load_verify_locations(context, where.authority.c_str(), nullptr);
+    SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
+    SSL_set1_host(stream, where.host.c_str());
+    SSL_set_fd(stream, descriptor);
+    open = SSL_connect(stream) == 1;
+  }
+  ~Tls() {
+    SSL_free(stream);
+    SSL_CTX_free(context);
+  }
+  SSL_CTX* context = SSL_CTX_new(TLS_client_method());
+  SSL* stream = SSL_new(context);
+  bool open = false;
+};
+
+RawSocket::RawSocket(const Endpoint& where) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_INET;
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  ended_ = ::getaddrinfo(where.host.c_str(), std::to_string(where.port).c_str(), &wanted, &found) != 0;
+  if (ended_) return;
+  descriptor_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ended_ = ::connect(descriptor_, found->ai_addr, found->ai_addrlen) != 0;
+  ::freeaddrinfo(found);
+  if (ended_ || !where.tls) return;
+  tls_ = std::make_unique<Tls>(where, descriptor_);
+  ended_ = !tls_->open;
 }
 RawSocket::~RawSocket() {
   close();
 }
 RawSocket::RawSocket(RawSocket&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), ended_(other.ended_), buffer_(std::move(other.buffer_)) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)), tls_(std::move(other.tls_)), ended_(other.ended_), buffer_(std::move(other.buffer_)) {}
 
 void RawSocket::close() {
+  tls_.reset();
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
   ended_ = true;
 }
 
 bool RawSocket::send(std::string_view bytes) {
-  while (!bytes.empty() && descriptor_ >= 0) {
-    const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  while (!bytes.empty() && descriptor_ >= 0 && (!tls_ || tls_->open)) {
+    const ssize_t sent = tls_ ? SSL_write(tls_->stream, bytes.data(), static_cast<int>(bytes.size()))
+                              : ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(sent));
   }
   return bytes.empty();
 }
 
-std::size_t RawSocket::send_some(std::string_view bytes) {
-  const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-  return sent > 0 ? static_cast<std::size_t>(sent) : 0;
-}
-
 bool RawSocket::fill(double patience_s) {
   if (ended_) return false;
   pollfd waited{descriptor_, POLLIN, 0};
-  if (::poll(&waited, 1, static_cast<int>(patience_s * 1000)) <= 0) return false;
+  const bool decrypted = tls_ && SSL_pending(tls_->stream) > 0;
+  if (!decrypted && ::poll(&waited, 1, static_cast<int>(patience_s * 1000)) <= 0) return false;
   char bytes[65536];
-  const ssize_t count = ::recv(descriptor_, bytes, sizeof bytes, 0);
+  const ssize_t count = tls_ ? SSL_read(tls_->stream, bytes, sizeof bytes) : ::recv(descriptor_, bytes, sizeof bytes, 0);
   if (count <= 0) {
     ended_ = true;
     return false;
@@ -82,8 +115,8 @@ std::optional<std::string> RawSocket::read_to_end(double patience_s) {
   return std::exchange(buffer_, {});
 }
 
-RawWebsocket::RawWebsocket(std::uint16_t port, std::string_view key, std::string_view subprotocol, std::string_view path)
-    : socket_(port), encoding_(encoding_of(subprotocol).value_or(Encoding::kJson)) {
+RawWebsocket::RawWebsocket(const Endpoint& where, std::string_view key, std::string_view subprotocol, std::string_view path)
+    : socket_(where), encoding_(encoding_of(subprotocol).value_or(Encoding::kJson)) {
   std::string request = "GET " + std::string(path) +
                         " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
                         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n";
@@ -164,9 +197,9 @@ int RawWebsocket::close_code(double patience_s) {
   return close_code_.value_or(1006);
 }
 
-HttpAnswer http(std::uint16_t port, std::string_view method, std::string_view path, std::string_view key,
+HttpAnswer http(const Endpoint& where, std::string_view method, std::string_view path, std::string_view key,
                 std::string_view body) {
-  RawSocket socket(port);
+  RawSocket socket(where);
   std::string request = std::string(method) + " " + std::string(path) + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
   if (!key.empty()) request += "Authorization: Bearer " + std::string(key) + "\r\n";
   if (!body.empty()) request += "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n";

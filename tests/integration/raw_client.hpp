@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,17 +10,27 @@
 
 namespace wayfuse {
 
-/// A plain TCP connection to loopback, without manners: it sends what the test wants.
+/// Where a server listens. A port alone is plain TCP on loopback.
+struct Endpoint {
+  Endpoint(std::uint16_t a_port) : port(a_port) {}  // NOLINT: a port says all of it in most tests
+  /// `http://HOST:PORT` or `https://HOST:PORT`; `authority` = PEM file to trust.
+  Endpoint(std::string_view url, std::string_view authority);
+
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;
+  bool tls = false;
+  std::string authority;
+};
+
+/// A TCP connection, over TLS where the endpoint says so, without manners: it sends what the test wants.
 class RawSocket {
  public:
-  explicit RawSocket(std::uint16_t port);
+  explicit RawSocket(const Endpoint& where);
   ~RawSocket();
   RawSocket(RawSocket&& other) noexcept;
 
   /// False = the peer is gone.
   bool send(std::string_view bytes);
-  /// Sends what the peer takes at once; the number of bytes taken.
-  std::size_t send_some(std::string_view bytes);
   /// Exactly `size` bytes; absent = the peer closed before, or was silent for `patience_s`.
   std::optional<std::string> read(std::size_t size, double patience_s = 10);
   /// Up to and including `mark`.
@@ -29,8 +40,10 @@ class RawSocket {
   void close();
 
  private:
+  struct Tls;
   bool fill(double patience_s);
   int descriptor_ = -1;
+  std::unique_ptr<Tls> tls_;
   bool ended_ = false;
   std::string buffer_;
 };
@@ -43,7 +56,7 @@ class RawWebsocket {
     std::string payload;
   };
   /// Upgrades; `status` is the HTTP status of the answer (101 = open).
-  RawWebsocket(std::uint16_t port, std::string_view key, std::string_view subprotocol = kSubprotocolJson,
+  RawWebsocket(const Endpoint& where, std::string_view key, std::string_view subprotocol = kSubprotocolJson,
                std::string_view path = "/v1/session");
   int status() const { return status_; }
   const std::string& answer() const { return answer_; }
@@ -80,7 +93,7 @@ struct HttpAnswer {
   int status = 0;
   std::string body;
 };
-HttpAnswer http(std::uint16_t port, std::string_view method, std::string_view path, std::string_view key = "",
+HttpAnswer http(const Endpoint& where, std::string_view method, std::string_view path, std::string_view key = "",
                 std::string_view body = "");
 
 }  // namespace wayfuse

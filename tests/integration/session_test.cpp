@@ -7,16 +7,17 @@
 namespace wayfuse {
 namespace {
 
-class Sessions : public RunningServer {};
+class Sessions : public AnyServer {};
+class OwnSessions : public RunningServer {};
 
 TEST_F(Sessions, ASurveyedBuildingGivesPositionsInBothEncodings) {
   start();
   make_building("Hall");
-  survey(1);
+  survey(building);
   for (const std::string_view spoken : {kSubprotocolJson, kSubprotocolCbor}) {
-    RawWebsocket phone(port(), key, spoken);
+    RawWebsocket phone(where(), key, spoken);
     ASSERT_EQ(phone.status(), 101) << phone.answer();
-    phone.send(hello(Role::kTrack, 1));
+    phone.send(hello(Role::kTrack, building));
     const auto welcome = phone.expect<Welcome>();
     ASSERT_TRUE(welcome);
     EXPECT_EQ(welcome->building_name, "Hall");
@@ -33,17 +34,17 @@ TEST_F(Sessions, ASurveyedBuildingGivesPositionsInBothEncodings) {
 TEST_F(Sessions, ResumeAfterABrokenConnection) {
   start();
   make_building("Hall");
-  survey(1);
+  survey(building);
   std::optional<Welcome> first;
   {
-    RawWebsocket phone(port(), key);
-    phone.send(hello(Role::kTrack, 1));
+    RawWebsocket phone(where(), key);
+    phone.send(hello(Role::kTrack, building));
     first = phone.expect<Welcome>();
     phone.send(scans(1, 3));
     ASSERT_TRUE(phone.expect<Ack>());
   }
-  RawWebsocket phone(port(), key);
-  Hello again = hello(Role::kTrack, 1);
+  RawWebsocket phone(where(), key);
+  Hello again = hello(Role::kTrack, building);
   again.resume = Resume{first->session, first->epoch, 2, {}};
   phone.send(again);
   const auto welcome = phone.expect<Welcome>();
@@ -55,32 +56,32 @@ TEST_F(Sessions, ResumeAfterABrokenConnection) {
 TEST_F(Sessions, AnObserverSeesThePhone) {
   start();
   make_building("Hall");
-  survey(1);
-  RawWebsocket observer(port(), key);
-  observer.send(hello(Role::kObserve, 1));
+  survey(building);
+  RawWebsocket observer(where(), key);
+  observer.send(hello(Role::kObserve, building));
   ASSERT_TRUE(observer.expect<Welcome>());
   observer.send(Subscribe{});
-  RawWebsocket phone(port(), key);
-  phone.send(hello(Role::kTrack, 1));
+  RawWebsocket phone(where(), key);
+  phone.send(hello(Role::kTrack, building));
   phone.send(scans(1, 2));
   ASSERT_TRUE(phone.expect<Position>());
   const auto seen = observer.expect<Observation>();
   ASSERT_TRUE(seen);
-  EXPECT_EQ(seen->tracked.at(0).position.building, BuildingId{1});
+  EXPECT_EQ(seen->tracked.at(0).position.building, BuildingId{building});
 }
 
 TEST_F(Sessions, EmptyMapAndUnknownBuildingAreNamed) {
   start();
   make_building("Empty");
-  RawWebsocket phone(port(), key);
-  phone.send(hello(Role::kTrack, 1));
+  RawWebsocket phone(where(), key);
+  phone.send(hello(Role::kTrack, building));
   phone.send(scans(1, 1));
   const auto reason = phone.expect<NoFix>();
   ASSERT_TRUE(reason);
   EXPECT_EQ(reason->reason.code, FaultCode::kEmptyRadioMap);
 
-  RawWebsocket lost(port(), key);
-  lost.send(hello(Role::kTrack, 4711));
+  RawWebsocket lost(where(), key);
+  lost.send(hello(Role::kTrack, 47'110'815));
   EXPECT_EQ(lost.expect<FaultReport>()->fault.code, FaultCode::kUnknownBuilding);
   EXPECT_EQ(lost.close_code(), 1008);
 }
@@ -88,28 +89,28 @@ TEST_F(Sessions, EmptyMapAndUnknownBuildingAreNamed) {
 TEST_F(Sessions, KeysAreRefusedInTheHeaderAndInTheHello) {
   start();
   make_building("Hall");
-  EXPECT_EQ(RawWebsocket(port(), "wf_wrong").status(), 401);
-  RawWebsocket wrong(port(), "");
+  EXPECT_EQ(RawWebsocket(where(), "wf_wrong").status(), 401);
+  RawWebsocket wrong(where(), "");
   ASSERT_EQ(wrong.status(), 101);
-  Hello with_token = hello(Role::kTrack, 1);
+  Hello with_token = hello(Role::kTrack, building);
   with_token.token = "wf_wrong";
   wrong.send(with_token);
   EXPECT_EQ(wrong.expect<FaultReport>()->fault.code, FaultCode::kNotAuthenticated);
   EXPECT_EQ(wrong.close_code(), 1008);
-  RawWebsocket right(port(), "");
+  RawWebsocket right(where(), "");
   with_token.token = key;
   right.send(with_token);
   EXPECT_TRUE(right.expect<Welcome>());
 }
 
-TEST_F(Sessions, TooManyWrongKeysAreNotEvenLookedAt) {
+TEST_F(OwnSessions, TooManyWrongKeysAreNotEvenLookedAt) {
   start({"--limits.refusals_burst", "3", "--limits.refusals_per_address", "0.01"});
   for (int i = 0; i < 3; ++i) EXPECT_EQ(http(port(), "GET", "/v1/buildings", "wf_wrong").status, 401);
   EXPECT_EQ(http(port(), "GET", "/v1/buildings", "wf_wrong").status, 429);
   EXPECT_EQ(http(port(), "GET", "/healthz").status, 200);
 }
 
-TEST_F(Sessions, DrainTellsEverybodyAndLeavesInOrder) {
+TEST_F(OwnSessions, DrainTellsEverybodyAndLeavesInOrder) {
   start({"--server.drain_s", "0.5"});
   make_building("Hall");
   survey(1);
@@ -124,7 +125,7 @@ TEST_F(Sessions, DrainTellsEverybodyAndLeavesInOrder) {
   EXPECT_EQ(server->wait(10), 0);
 }
 
-TEST_F(Sessions, NothingAcknowledgedIsLostByKill9) {
+TEST_F(OwnSessions, NothingAcknowledgedIsLostByKill9) {
   start();
   make_building("Hall");
   std::set<std::string> acked;
