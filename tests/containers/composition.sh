@@ -30,8 +30,9 @@ beside() {  # [DOCKER-EXEC OPTION...] PROGRAM ARGUMENT...
 operator() { beside wayfuse "$@"; }
 ask() { beside curl -s --max-time 10 --cacert /certificates/server.pem "$@"; }
 
+PATIENCE=${WAYFUSE_PATIENCE:-3}   # a busy machine has time enough; only a failure waits it out
 wait_for() {  # SECONDS WHAT COMMAND...
-  local give_up=$((SECONDS + $1)) what=$2; shift 2
+  local give_up=$((SECONDS + PATIENCE * $1)) what=$2; shift 2
   until "$@" >/dev/null 2>&1; do
     [ $SECONDS -lt $give_up ] || die "$what: not within the time"
     sleep 0.3

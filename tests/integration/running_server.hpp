@@ -49,7 +49,7 @@ class AnyServer : public testing::Test {
       RawWebsocket probe(where(), key);
       probe.send(hello(Role::kTrack, building));
       served = probe.expect<Welcome>().has_value();
-      probe.send(Goodbye{"served"});
+      if (served && probe.send(Goodbye{"served"})) probe.close_code();
     }
     ASSERT_TRUE(served) << name << " is not served";
   }
