@@ -28,23 +28,23 @@ killed_under_load() {
   ok "30 phones walked through the kills, every sample acknowledged"
 }
 
-# A building full of phones whose network goes, then phones that are frozen: sessions resume whole.
+# Phones whose network goes and comes back with another address, then phones that are frozen: sessions resume whole.
 disconnected_and_paused() {
   local resumed status
   docker run -d --name "$PROJECT-walkers" --network "$NETWORK" "${TEST_MOUNTS[@]}" -e WAYFUSE_KEY="$KEY" wayfuse-test/phone \
-    walk --server wss://wayfused:8420/v1/session --authority /certificates/server.pem --building 1 --phones 40 --minutes 1.5 --speed 2 --no-compare >/dev/null
+    walk --server wss://wayfused:8420/v1/session --authority /certificates/server.pem --building 1 --phones 40 --minutes 4 --speed 4 --no-compare >/dev/null
   wait_for 30 "40 phones stream" grows_beyond websockets 39
   resumed=$(metric sessions_resumed_total)
   docker network disconnect "$NETWORK" "$PROJECT-walkers"
-  sleep 3   # the outage itself
+  docker run -d --name "$PROJECT-squatter" --network "$NETWORK" wayfuse-test/tests sleep 1000000 >/dev/null   # takes the address that became free
   docker network connect "$NETWORK" "$PROJECT-walkers"
-  wait_for 60 "cut off for 3 s: sessions resume whole" grows_beyond sessions_resumed_total "$((resumed + 39))"
+  wait_for 60 "cut off and back under another address: 40 sessions resume whole" grows_beyond sessions_resumed_total "$((resumed + 39))"
   docker pause "$PROJECT-walkers" >/dev/null
-  sleep 3
+  sleep 3   # the pause itself
   docker unpause "$PROJECT-walkers" >/dev/null
   status=$(docker wait "$PROJECT-walkers")
   [ "$status" = 0 ] || { docker logs --tail 5 "$PROJECT-walkers" >&2; die "phones lost samples by the outage"; }
-  docker rm "$PROJECT-walkers" >/dev/null
+  docker rm -f "$PROJECT-walkers" "$PROJECT-squatter" >/dev/null
   [ "$(metric sequence_gaps_total)" = 0 ] || die "the server saw gaps in sample numbers"
   ok "cut off and frozen: every sample acknowledged, no gap"
 }
