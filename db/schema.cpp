@@ -22,6 +22,8 @@ void set_up(SqliteConnection& connection, const ConnectionSettings& settings) {
   }
   connection.execute(settings.synchronous_normal ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
   connection.execute("PRAGMA foreign_keys = ON");
+  // A group's savepoints would spill to a temporary file: on a read-only root there is no place for it, and points do not belong there.
+  connection.execute("PRAGMA temp_store = MEMORY");
   connection.execute("PRAGMA wal_autocheckpoint = " + std::to_string(settings.checkpoint_pages));
   // Reads stay off mmap: an I/O error would be a signal instead of a fault.
   connection.execute("PRAGMA mmap_size = 0");

@@ -58,7 +58,7 @@ end_surveying() {  # JOURNALS: told to stop; what they did is printed
   docker logs "$PROJECT-surveyors-$1" 2>/dev/null | sed 's/^/   surveyors: /'
   docker rm "$PROJECT-surveyors-$1" >/dev/null
 }
-settle() { beside journalling_surveyor https://wayfused:8420 "/journals/$1" "$2" "$3" settle >/dev/null || die "surveyors could not settle"; }
+settle() { beside journalling_surveyor https://wayfused:8420 "/journals/$1" "$2" "$3" settle >/dev/null 2>"$WORK/refusals" || { tail -n 3 "$WORK/refusals" >&2; die "surveyors could not settle"; }; }
 # The second opinion: clients' journals against the file, by its own SQL.
 nothing_lost() {  # WHAT JOURNALS DATA-VOLUME BUILDING [--settled]
   docker run --rm -v "$3:/data" -v "$PROJECT-journals:/journals" wayfuse-test/tests \
