@@ -32,14 +32,14 @@ backed_up_and_restored_elsewhere() {
   building=$(new_building "Moving house")
   begin_surveying move "$building" 2
   wait_for 60 "surveyors upload" acks_beyond move 50
-  in_journals "mkdir /journals/moved && cat /journals/move/*.journal | grep ^acked >/journals/moved/acked.journal"
+  in_journals "mkdir /journals/moved && cat /journals/move/*.journal | grep ^acked >/journals/moved/2-acked.journal"
   docker run --rm -v "${PROJECT}_data:/data" -v "$PROJECT-restored:/journals" wayfuse-test/tests \
     sh -ec "for file in server building-$building; do sqlite3 /data/\$file.sqlite \".backup /journals/\$file.sqlite\"; done" || die "the backup failed"
   ok "backed up while surveyors write"
   end_surveying move
   begin_lone_server restored "$PROJECT-restored" wayfuse-test/server
   operator building show "$building" >/dev/null || die "the restored server does not know building and key"
-  in_journals "cat /journals/move/*.journal | grep ^sent >/journals/moved/sent.journal"
+  in_journals "cat /journals/move/*.journal | grep ^sent >/journals/moved/1-sent.journal"
   nothing_lost "restored into another container" moved "$PROJECT-restored" "$building" ""
   end_lone_server
 }
