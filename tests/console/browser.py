@@ -22,8 +22,17 @@ class Browser:
     async def open(cls, url, width=1280, height=800):
         self = cls()
         self.profile = tempfile.mkdtemp()
+        self.socket = self.reader = None
         self.process = subprocess.Popen([shutil.which("chromium"), *FLAGS, f"--user-data-dir={self.profile}", "about:blank"],
                                         stderr=subprocess.PIPE, text=True)
+        try:
+            await self._begin(url, width, height)
+        except BaseException:
+            await self.close()
+            raise
+        return self
+
+    async def _begin(self, url, width, height):
         port = None
         for line in self.process.stderr:
             if "DevTools listening on" in line:
@@ -42,7 +51,6 @@ class Browser:
         await self.resize(width, height)
         await self.call("Page.navigate", url=url)
         await self.until("document.readyState === 'complete' && location.href !== 'about:blank'")
-        return self
 
     async def _read(self):
         async for text in self.socket:
@@ -97,8 +105,9 @@ class Browser:
             out.write(base64.b64decode(shot["data"]))
 
     async def close(self):
-        self.reader.cancel()
-        await self.socket.close()
+        if self.reader:
+            self.reader.cancel()
+            await self.socket.close()
         self.process.kill()
         self.process.wait()
         shutil.rmtree(self.profile, ignore_errors=True)

@@ -17,13 +17,16 @@ import { Observer, type LinkState } from './wire/observer';
 import type { Building, BuildingSummary, ZoneEvent } from './wire/shapes';
 import { useAnswer } from './wire/use_answer';
 
-interface View { name: string; title: string; icon: ComponentType<Record<string, unknown>>; show: ComponentType; ofBuilding: boolean }
+interface View { name: string; title: string; short: string; icon: ComponentType<Record<string, unknown>>; show: ComponentType; ofBuilding: boolean }
+
+const view = (name: string, title: string, short: string, icon: unknown, show: ComponentType, ofBuilding = true): View =>
+  ({ name, title, short, icon: icon as View['icon'], show, ofBuilding });
 
 const kViews: View[] = [
-  { name: 'live', title: 'Live', icon: Navigation as ComponentType, show: Live, ofBuilding: true },
-  { name: 'survey', title: 'Survey', icon: MapPinned as ComponentType, show: Survey, ofBuilding: true },
-  { name: 'buildings', title: 'Buildings', icon: Building2 as ComponentType, show: Buildings, ofBuilding: false },
-  { name: 'keys', title: 'Keys', icon: KeyRound as ComponentType, show: Keys, ofBuilding: false },
+  view('live', 'Live', 'Live', Navigation, Live),
+  view('survey', 'Survey', 'Survey', MapPinned, Survey),
+  view('buildings', 'Buildings', 'Buildings', Building2, Buildings, false),
+  view('keys', 'Keys', 'Keys', KeyRound, Keys, false),
 ];
 
 export function Console() {
@@ -41,21 +44,21 @@ function Signed({ leave }: { leave: () => void }) {
   const id = route.building ?? buildings?.[0]?.id ?? null;
   const one = useAnswer<Building>(id ? `/v1/buildings/${id}` : null);
   const standing = useStandingOf(one.data, buildings, () => { list.again(); one.again(); });
-  const view = kViews.find((each) => each.name === route.view) ?? kViews[0]!;
+  const shown = kViews.find((each) => each.name === route.view) ?? kViews[0]!;
 
-  useEffect(() => { document.title = `${view.title} · ${one.data?.name ?? 'wayfuse'}`; }, [view, one.data?.name]);
+  useEffect(() => { document.title = `${shown.title} · ${one.data?.name ?? 'wayfuse'}`; }, [shown, one.data?.name]);
   useEffect(() => { if (list.fault?.status === 401) leave(); }, [list.fault]);
 
   return (
     <StandingContext.Provider value={standing.value}>
       <div class="shell">
-        <Rail view={view.name} building={id} />
-        <Top buildings={buildings} building={one.data} view={view.name} link={standing.value.link} leave={leave} />
+        <Rail view={shown.name} building={id} />
+        <Top buildings={buildings} building={one.data} view={shown.name} link={standing.value.link} leave={leave} />
         <main class="page" id="page" tabIndex={-1}>
           {list.fault && !limited && !list.data ? <div class="sheet"><Fault fault={list.fault} again={list.again} /></div>
-            : !view.ofBuilding ? <view.show />
+            : !shown.ofBuilding ? <shown.show />
             : one.fault && !one.data ? <div class="sheet"><Fault fault={one.fault} again={one.again} /></div>
-            : one.data ? <view.show key={one.data.id} />
+            : one.data ? <shown.show key={one.data.id} />
             : buildings?.length === 0 ? <NoBuilding /> : <Loading what="the building" />}
         </main>
         <Toasts toasts={standing.toasts} />
@@ -95,13 +98,16 @@ function useStandingOf(building: Building | null, buildings: BuildingSummary[] |
 }
 
 function Rail({ view, building }: { view: string; building: number | null }) {
+  const rail = useRef<HTMLElement>(null);
+  // On a phone the rail is a row wider than the screen.
+  useEffect(() => rail.current?.querySelector('[aria-current]')?.scrollIntoView({ inline: 'center', block: 'nearest' }), [view]);
   const entry = (each: View) => (
     <a key={each.name} href={hashOf(building, each.name)} aria-current={each.name === view ? 'page' : undefined} title={each.title}>
-      <each.icon aria-hidden="true" /><span>{each.title}</span>
+      <each.icon aria-hidden="true" /><span class="full">{each.title}</span><span class="short" aria-hidden="true">{each.short}</span>
     </a>
   );
   return (
-    <nav class="rail" aria-label="Views">
+    <nav class="rail" aria-label="Views" ref={rail}>
       <div class="brand"><Mark /><span>wayfuse</span></div>
       <h3>Building</h3>
       {kViews.filter((each) => each.ofBuilding).map(entry)}

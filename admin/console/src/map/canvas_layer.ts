@@ -13,13 +13,18 @@ type Paint = (pen: Pen) => void;
 
 // What Leaflet's own renderers use and its types leave out.
 interface MapInside {
-  _latLngBoundsToNewLayerBounds(bounds: L.LatLngBounds, zoom: number, center: L.LatLng): L.Bounds;
+  _latLngToNewLayerPoint(latlng: L.LatLng, zoom: number, center: L.LatLng): L.Point;
 }
 
-/// A canvas over the whole map that paints itself anew when the view or its data changed: at most once a frame.
+// Painted beyond the map's edges by this part of its size, so that a map under a finger shows no bare edge before it is painted anew.
+const kMargin = 0.2;
+
+/// A canvas over the whole map that paints itself anew when the view or its data changed: at most once a frame. While the map is
+/// dragged it moves along with Leaflet's pane.
 export class CanvasLayer extends L.Layer {
   private canvas: HTMLCanvasElement | null = null;
   private frame = 0;
+  private paintedAt = L.latLng(0, 0);      // the canvas's upper left corner
   private paint: Paint;
 
   constructor(paint: Paint, private readonly paneName: string, private readonly name: string) {
@@ -44,7 +49,7 @@ export class CanvasLayer extends L.Layer {
 
   override getEvents(): Record<string, L.LeafletEventHandlerFn> {
     return {
-      move: () => this.draw(),
+      moveend: () => this.redraw(),
       viewreset: () => this.redraw(),
       zoomend: () => this.redraw(),
       resize: () => this.redraw(),
@@ -59,16 +64,18 @@ export class CanvasLayer extends L.Layer {
   private draw(): void {
     const { canvas, _map: map } = this as unknown as { canvas: HTMLCanvasElement | null; _map: L.Map };
     if (!canvas || !map) return;
-    const size = map.getSize();
+    const margin = map.getSize().multiplyBy(kMargin).round();
+    const size = map.getSize().add(margin.multiplyBy(2));
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [Math.round(size.x * ratio), Math.round(size.y * ratio)];
     if (canvas.width !== width || canvas.height !== height) {
       Object.assign(canvas, { width, height });
       Object.assign(canvas.style, { width: `${size.x}px`, height: `${size.y}px` });
     }
-    L.DomUtil.setPosition(canvas, map.containerPointToLayerPoint([0, 0]));
+    L.DomUtil.setPosition(canvas, map.containerPointToLayerPoint(margin.multiplyBy(-1)));
+    this.paintedAt = map.containerPointToLatLng(margin.multiplyBy(-1));
     const scale = 2 ** map.getZoom();
-    const origin = map.latLngToContainerPoint([0, 0]);
+    const origin = map.latLngToContainerPoint([0, 0]).add(margin);
     const ctx = canvas.getContext('2d')!;
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.clearRect(0, 0, size.x, size.y);
@@ -78,7 +85,7 @@ export class CanvasLayer extends L.Layer {
   // While Leaflet animates a zoom, the picture painted last is stretched along with it.
   private follow(event: L.ZoomAnimEvent): void {
     const map = this._map;
-    const bounds = (map as unknown as MapInside)._latLngBoundsToNewLayerBounds(map.getBounds(), event.zoom, event.center);
-    L.DomUtil.setTransform(this.canvas!, bounds.min!, map.getZoomScale(event.zoom, map.getZoom()));
+    const corner = (map as unknown as MapInside)._latLngToNewLayerPoint(this.paintedAt, event.zoom, event.center);
+    L.DomUtil.setTransform(this.canvas!, corner, map.getZoomScale(event.zoom, map.getZoom()));
   }
 }

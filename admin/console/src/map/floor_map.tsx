@@ -9,7 +9,7 @@ export const toPoint = ({ lat, lng }: L.LatLng): [number, number] => [lng, lat];
 export const toLatLngs = (rings: Ring[]): L.LatLngTuple[][] => rings.map((ring) => ring.map(toLatLng));
 
 // Back to front; what is painted later lies on top.
-const kPanes = { image: 210, heat: 220, plan: 230, zones: 240, points: 250, tracks: 430, phones: 440, marks: 650 } as const;
+const kPanes = { image: 210, plan: 230, heat: 235, zones: 240, points: 250, walks: 260, tracks: 430, phones: 440, marks: 650 } as const;
 export type Pane = keyof typeof kPanes;
 
 interface FloorMapProps {

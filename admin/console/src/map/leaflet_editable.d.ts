@@ -1,1 +1,1 @@
-declare module "leaflet-editable";
+declare module 'leaflet-editable';

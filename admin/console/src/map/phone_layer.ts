@@ -9,67 +9,70 @@ export interface PhoneView { floor: number | null; chosen: string | null; inner:
 
 const kStates: Integrity[] = ['ok', 'degraded', 'suspect'];
 const kInkOf = { ok: 'phone', degraded: 'warn', suspect: 'bad' } as const;
-const kTrackEveryMs = 250;
+const kGroundEveryMs = 250;
+const kOuterAtMost = 60;      // with more phones on a floor their 95 % regions would cover it all: then only the chosen one's is drawn
 
-/// Draws every phone of a floor. All phones of one state share one path a shape, so that a frame costs a fixed number of fills and
-/// strokes whether 5 phones or 500 are there, and overlapping regions do not pile up into a dark blot.
+/// Draws every phone of a floor on two canvases. The ground (regions and tracks) is painted four times a second: all phones of one state
+/// share one path a shape, so that it costs a fixed number of fills and strokes whether 5 phones or 500 are there, and overlapping regions do
+/// not pile up into a dark blot. The dots glide: they are copied from pictures painted once.
 export class PhoneLayer {
   view: PhoneView = { floor: null, chosen: null, inner: true, outer: true, tracks: true };
   private readonly dots: CanvasLayer;
-  private readonly tracks: CanvasLayer;
+  private readonly ground: CanvasLayer;
   private readonly deaf: () => void;
-  private tracksAt = 0;
+  private groundAt = 0;
+  private groundTimer = 0;
 
   constructor(private readonly map: L.Map, private readonly phones: Phones) {
-    this.tracks = new CanvasLayer((pen) => this.paintTracks(pen), 'tracks', 'tracks');
+    this.ground = new CanvasLayer((pen) => this.paintGround(pen), 'tracks', 'ground');
     this.dots = new CanvasLayer((pen) => this.paintPhones(pen), 'phones', 'phones');
-    this.tracks.addTo(map);
+    this.ground.addTo(map);
     this.dots.addTo(map);
     this.deaf = phones.listen(() => this.refresh());
   }
 
   remove(): void {
     this.deaf();
-    this.tracks.removeFrom(this.map);
+    clearTimeout(this.groundTimer);
+    this.ground.removeFrom(this.map);
     this.dots.removeFrom(this.map);
   }
 
   show(view: Partial<PhoneView>): void {
     Object.assign(this.view, view);
-    this.tracksAt = 0;
+    this.groundAt = 0;
     this.refresh();
   }
 
   refresh(): void {
     this.dots.redraw();
-    const now = performance.now();
-    if (now - this.tracksAt < kTrackEveryMs) return;
-    this.tracksAt = now;
-    this.tracks.redraw();
+    if (this.groundTimer) return;
+    const wait = this.groundAt + kGroundEveryMs - performance.now();
+    this.groundTimer = window.setTimeout(() => {
+      this.groundTimer = 0;
+      this.groundAt = performance.now();
+      this.ground.redraw();
+    }, Math.max(wait, 0));
   }
 
   private onFloor(): Phone[] {
     return this.phones.present().filter((phone) => phone.position.place.floor === this.view.floor);
   }
 
-  private paintTracks({ ctx, x, y }: Pen): void {
-    if (!this.view.tracks) return;
+  private paintGround(pen: Pen): void {
+    const now = performance.now();
+    const phones = this.onFloor();
     const ink = inks();
     for (const state of kStates) {
-      ctx.beginPath();
-      for (const phone of this.onFloor()) {
-        if (phone.position.integrity !== state || phone.name === this.view.chosen) continue;
-        traceTrack(ctx, phone, this.view.floor, x, y);
-      }
-      Object.assign(ctx, { strokeStyle: ink[kInkOf[state]], lineWidth: 1.5, lineJoin: 'round', globalAlpha: 0.35 });
-      ctx.stroke();
+      const alike = phones.filter((phone) => phone.position.integrity === state);
+      if (!alike.length) continue;
+      const colour = ink[kInkOf[state]];
+      if (this.view.outer && phones.length <= kOuterAtMost) fillEllipses(pen, alike, now, 'radius95_m', colour, 0.07);
+      if (this.view.inner) fillEllipses(pen, alike, now, 'radius68_m', colour, 0.18);
+      if (this.view.tracks) strokeTracks(pen, alike, this.view.floor, colour, 1.5, 0.35);
     }
     const chosen = this.view.chosen ? this.phones.byName.get(this.view.chosen) : undefined;
-    if (!chosen) return;
-    ctx.beginPath();
-    traceTrack(ctx, chosen, this.view.floor, x, y);
-    Object.assign(ctx, { strokeStyle: ink[kInkOf[chosen.position.integrity]], lineWidth: 3, globalAlpha: 0.85 });
-    ctx.stroke();
+    if (chosen) strokeTracks(pen, [chosen], this.view.floor, ink[kInkOf[chosen.position.integrity]], 3, 0.85);
   }
 
   private paintPhones(pen: Pen): void {
@@ -79,8 +82,6 @@ export class PhoneLayer {
     for (const state of kStates) {
       const alike = phones.filter((phone) => phone.position.integrity === state);
       if (!alike.length) continue;
-      if (this.view.outer) fillEllipses(pen, alike, now, 'radius95_m', ink[kInkOf[state]], 0.07);
-      if (this.view.inner) fillEllipses(pen, alike, now, 'radius68_m', ink[kInkOf[state]], 0.18);
       drawHeadings(pen, alike, now, ink[kInkOf[state]]);
       drawDots(pen, alike, now, ink[kInkOf[state]], ink.halo);
     }
@@ -88,6 +89,14 @@ export class PhoneLayer {
     if (chosen) drawChosen(pen, chosen, now, ink);
     if (phones.some((phone) => isGliding(phone, now))) this.dots.redraw();
   }
+}
+
+function strokeTracks({ ctx, x, y }: Pen, phones: Phone[], floor: number | null, ink: string, width: number, alpha: number): void {
+  ctx.beginPath();
+  for (const phone of phones) traceTrack(ctx, phone, floor, x, y);
+  Object.assign(ctx, { strokeStyle: ink, lineWidth: width, lineJoin: 'round', globalAlpha: alpha });
+  ctx.stroke();
+  ctx.globalAlpha = 1;
 }
 
 function traceTrack(ctx: CanvasRenderingContext2D, phone: Phone, floor: number | null, x: Pen['x'], y: Pen['y']): void {
@@ -133,16 +142,31 @@ function drawHeadings({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: str
   ctx.fill();
 }
 
-function drawDots({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: string, halo: string): void {
-  ctx.beginPath();
-  for (const phone of phones) {
-    const place = shownAt(phone, now);
-    ctx.moveTo(x(place.x_m) + 5.5, y(place.y_m));
-    ctx.arc(x(place.x_m), y(place.y_m), 5.5, 0, 2 * Math.PI);
-  }
-  Object.assign(ctx, { fillStyle: ink, strokeStyle: halo, lineWidth: 2 });
+const kDotPixels = 16;
+const dots = new Map<string, HTMLCanvasElement>();
+
+// The picture of a phone of this colour, at twice its size for sharp screens.
+function dotOf(ink: string, halo: string): HTMLCanvasElement {
+  const name = `${ink} ${halo}`;
+  const known = dots.get(name);
+  if (known) return known;
+  const picture = document.createElement('canvas');
+  Object.assign(picture, { width: 2 * kDotPixels, height: 2 * kDotPixels });
+  const ctx = picture.getContext('2d')!;
+  ctx.arc(kDotPixels, kDotPixels, 11, 0, 2 * Math.PI);
+  Object.assign(ctx, { fillStyle: ink, strokeStyle: halo, lineWidth: 4 });
   ctx.stroke();
   ctx.fill();
+  dots.set(name, picture);
+  return picture;
+}
+
+function drawDots({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: string, halo: string): void {
+  const picture = dotOf(ink, halo);
+  for (const phone of phones) {
+    const place = shownAt(phone, now);
+    ctx.drawImage(picture, x(place.x_m) - kDotPixels / 2, y(place.y_m) - kDotPixels / 2, kDotPixels, kDotPixels);
+  }
 }
 
 function drawChosen(pen: Pen, phone: Phone, now: number, ink: Inks): void {

@@ -30,7 +30,7 @@ async function send(path: string, question: Question): Promise<Response> {
   const method = question.method ?? 'GET';
   if (question.body !== undefined) headers['content-type'] = 'application/json';
   if (question.type) headers['content-type'] = question.type;
-  if (method === 'POST') headers['idempotency-key'] ??= freshName();
+  if (method !== 'POST') delete headers['idempotency-key'];
   const body = question.raw ?? (question.body === undefined ? undefined : JSON.stringify(question.body));
   try {
     return await fetch(path, { method, headers, body, signal: question.signal, cache: 'no-store' });
@@ -38,6 +38,13 @@ async function send(path: string, question: Question): Promise<Response> {
     if ((error as Error).name === 'AbortError') throw error;
     throw new Refusal(0, 'unreachable', 'The server cannot be reached.');
   }
+}
+
+function pause(seconds: number, signal?: AbortSignal): Promise<void> {
+  return new Promise((done, stopped) => {
+    const timer = setTimeout(done, Math.min(Math.max(seconds, 0.5), 10) * 1000);
+    signal?.addEventListener('abort', () => { clearTimeout(timer); stopped(new DOMException('stopped', 'AbortError')); }, { once: true });
+  });
 }
 
 async function refusalOf(response: Response): Promise<Refusal> {
@@ -51,11 +58,25 @@ async function refusalOf(response: Response): Promise<Refusal> {
   }
 }
 
+function parsed<T>(text: string): T {
+  try {
+    return (text ? JSON.parse(text) : null) as T;
+  } catch {
+    throw new Refusal(0, 'not_json', 'What answers here does not speak like a wayfuse server. Is there a proxy in between?');
+  }
+}
+
+/// Long work answers 202 `working` and wants to be asked again, with the same question, until it is done.
 export async function request<T>(path: string, question: Question = {}): Promise<Answer<T>> {
-  const response = await send(path, question);
+  const steady = { ...question, headers: { 'idempotency-key': freshName(), ...question.headers } };
+  let response = await send(path, steady);
+  while (response.status === 202) {
+    await pause(Number(response.headers.get('retry-after') ?? 1), question.signal);
+    response = await send(path, steady);
+  }
   if (!response.ok) throw await refusalOf(response);
   const text = await response.text();
-  return { status: response.status, body: (text ? JSON.parse(text) : null) as T, etag: response.headers.get('etag'), headers: response.headers };
+  return { status: response.status, body: parsed<T>(text), etag: response.headers.get('etag'), headers: response.headers };
 }
 
 export async function ask<T>(path: string, question: Question = {}): Promise<T> {

@@ -59,6 +59,8 @@ export interface ZoneEvent {
   at_us: number;
   floor: number;
   probability: number;
+  id?: string;
+  retracts?: string;       // the earlier event that this one takes back
 }
 
 export interface Session {
