@@ -74,16 +74,18 @@ std::vector<Group> groups_of(const std::string& format) {
 }
 
 Result<std::vector<AttitudeTrial>> read_trials(const AttitudeOptions& options) {
-  const std::vector<std::string> paths = list_trials(options.data);
+  std::vector<std::string> paths = list_trials(options.data);
+  if (paths.empty()) paths = list_trials(options.data + "/" + options.format);  // the folder all archives were unpacked into
   if (paths.empty()) return Fault{FaultCode::kNotFound, options.data, "holds no trial of format " + options.format};
   std::vector<AttitudeTrial> trials;
   ProgressBar progress("reading trials", paths.size());
   for (const std::string& path : paths) {
     auto trial = options.format == "broad" ? read_broad_trial(path) : read_tyrex_trial(path, TyrexField::kCalibrated);
-    if (!trial) return trial.fault();
-    trials.push_back(std::move(trial).value());
+    if (trial) trials.push_back(std::move(trial).value());
+    else std::fprintf(stderr, "left out: %s\n", to_string(trial.fault()).c_str());
     progress.advance();
   }
+  if (trials.empty()) return Fault{FaultCode::kMalformed, options.data, "holds no trial that can be read"};
   return trials;
 }
 

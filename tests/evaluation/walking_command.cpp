@@ -37,7 +37,9 @@ struct Outcome {
   std::string picture;
 };
 
-std::vector<std::string> csv_files(const std::string& folder) {
+// In the folder itself, or in the one of that name in the folder all archives were unpacked into.
+std::vector<std::string> csv_files(const std::string& data, const char* archive) {
+  const fs::path inner = fs::path(data) / archive, folder = fs::is_directory(inner) ? inner : fs::path(data);
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() == ".csv") files.push_back(entry.path().string());
@@ -46,14 +48,18 @@ std::vector<std::string> csv_files(const std::string& folder) {
   return files;
 }
 
+void left_out(const Fault& fault) { std::fprintf(stderr, "left out: %s\n", to_string(fault).c_str()); }
+
 Result<Outcome> measure_oxford(const WalkingOptions& options) {
   Outcome outcome;
   outcome.title = "Step counts against a foot switch";
   std::map<std::string, std::vector<double>> errors;
-  for (const std::string& path : csv_files(options.data)) {
+  for (const std::string& path : csv_files(options.data, "oxford-steps")) {
     const auto trial = read_oxford_trial(path);
-    if (!trial) return trial.fault();
-    if (trial->true_steps.empty() || trial->true_steps.back() <= 0) return Fault{FaultCode::kMalformed, path, "counts no true step"};
+    if (!trial || trial->true_steps.empty() || trial->true_steps.back() <= 0) {
+      left_out(trial ? Fault{FaultCode::kMalformed, path, "counts no true step"} : trial.fault());
+      continue;
+    }
     const int truth = trial->true_steps.back();
     std::vector<StepCount> counts = count_steps(trial->samples);
     if (!trial->hardware_steps.empty() && trial->hardware_steps.back() > 0) counts.push_back({"phone_hardware", trial->hardware_steps.back()});
@@ -64,7 +70,7 @@ Result<Outcome> measure_oxford(const WalkingOptions& options) {
                               {"error_pct", error_pct}});
     }
   }
-  if (errors.empty()) return Fault{FaultCode::kNotFound, options.data, "holds no .csv file"};
+  if (errors.empty()) return Fault{FaultCode::kNotFound, options.data, "holds no .csv file that can be read"};
   std::vector<ValueSeries> series;
   for (const auto& [detector, values] : errors) {
     double mean = 0.0;
@@ -82,11 +88,14 @@ Result<Outcome> measure_still(const WalkingOptions& options) {
   std::map<std::string, double> steps;
   std::map<std::string, std::vector<double>> rates;
   double minutes = 0.0;
-  const std::vector<std::string> files = csv_files(options.data);
+  const std::vector<std::string> files = csv_files(options.data, "broad");
   ProgressBar progress("still phones", files.size());
   for (const std::string& path : files) {
     const auto trial = read_broad_trial(path);
-    if (!trial) return trial.fault();
+    if (!trial || trial->samples.empty()) {
+      left_out(trial ? Fault{FaultCode::kMalformed, path, "holds no sample"} : trial.fault());
+      continue;
+    }
     const double length_min = seconds(trial->samples.back().time - trial->samples.front().time) / 60.0;
     minutes += length_min;
     for (const StepCount& count : count_steps(trial->samples)) {
@@ -96,7 +105,7 @@ Result<Outcome> measure_still(const WalkingOptions& options) {
     }
     progress.advance();
   }
-  if (minutes <= 0.0) return Fault{FaultCode::kNotFound, options.data, "holds no .csv file"};
+  if (minutes <= 0.0) return Fault{FaultCode::kNotFound, options.data, "holds no .csv file that can be read"};
   std::vector<ValueSeries> series;
   for (const auto& [detector, count] : steps) {
     outcome.rows.push_back({{"detector", detector}, {"file", "all"}, {"false_steps_per_min", count / minutes}});
@@ -119,7 +128,7 @@ Result<Outcome> measure_ilc20(const WalkingOptions& options) {
     if (!wanted(options.split, file.id)) continue;
     auto walk = read_walk(file.path, file.floor_origin);
     if (!walk) {
-      std::fprintf(stderr, "left out: %s\n", to_string(walk.fault()).c_str());
+      left_out(walk.fault());
       continue;
     }
     walks.push_back(std::move(walk).value());

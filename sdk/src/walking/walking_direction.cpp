@@ -62,7 +62,7 @@ Heading WalkingDirection::direction(const WalkingDirectionSettings& s, const Att
 }
 
 double WalkingDirection::sigma_rad(const WalkingDirectionSettings& s, const Attitude& attitude, double swing_mps2) const {
-  double extra = 0.0;
+  double extra = s.held_sigma_rad;
   if (by_gait(s, swing_mps2)) extra = s.gait_sigma_rad;
   else if (carrying == Carrying::kCalling || carrying == Carrying::kPocket || carrying == Carrying::kSwinging) extra = 1.8;
   return std::clamp(std::hypot(attitude.heading_sigma_rad, extra), 0.0, std::numbers::pi);

@@ -22,6 +22,7 @@ struct WalkingDirectionSettings {
   double memory_s = 8.0;            ///< how long gait is averaged; larger is steadier and slower after a change of carrying
   double trust_after_s = 4.0;       ///< walking needed before the gait's direction is used
   double gait_sigma_rad = 0.45;     ///< of a direction from gait (26 degrees)
+  double held_sigma_rad = 0.14;     ///< of the hand's direction against the walker's (8 degrees)
   double held_rate_radps = 1.4;     ///< more turning than this is a pocket or a swinging arm
   double swinging_rate_radps = 2.6;
   double running_swing_mps2 = 6.0;  ///< runners push off differently: their gait is not read

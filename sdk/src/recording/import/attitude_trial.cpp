@@ -131,12 +131,14 @@ Result<AttitudeTrial> read_tyrex_trial(const std::string& folder, TyrexField fie
   };
   const auto offset_s = read_offset(root / "timeAlignment.txt");
   if (!offset_s) return offset_s.fault();
-  const char* gyroscope = calibrated ? "gyroscope-calibrated.txt" : "gyroscope.txt";
-  const char* magnetometer = calibrated ? "magnetometer-calibrated.txt" : "magnetometer.txt";
+  const auto chosen = [&](const std::string& sensor) {  // some phones record only one kind
+    const fs::path raw = root / (sensor + ".txt"), tuned = root / (sensor + "-calibrated.txt");
+    return (calibrated && fs::exists(tuned)) || !fs::exists(raw) ? tuned : raw;
+  };
   if (const auto done = read_series(root / "accelerometer.txt", 3, into(&MargSample::acceleration_mps2)); !done)
     return done.fault();
-  if (const auto done = read_series(root / gyroscope, 3, into(&MargSample::turn_rate_radps)); !done) return done.fault();
-  if (const auto done = read_series(root / magnetometer, 3, into(&MargSample::field_ut)); !done) return done.fault();
+  if (const auto done = read_series(chosen("gyroscope"), 3, into(&MargSample::turn_rate_radps)); !done) return done.fault();
+  if (const auto done = read_series(chosen("magnetometer"), 3, into(&MargSample::field_ut)); !done) return done.fault();
   if (const auto done = read_truth(root / "truth.csv", *offset_s, trial); !done) return done.fault();
   if (fs::exists(root / "rotation-vector.txt")) {
     const auto done = read_series(root / "rotation-vector.txt", 4, [&](double time_s, const double* v) {
