@@ -9,10 +9,13 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr double kAheadMost_s = 0.05;  // a turn rate is not carried further
 
-// exp of half an angle vector by its series: an angle a sample turns through is small; beyond half a radian by trigonometry.
+// exp of half an angle vector by its series: an angle a sample turns through is small; a large one in halves.
 Quaternion small_turn(Vector3 angle_rad) {
   const double square = dot(angle_rad, angle_rad);
-  if (square > 0.25) return from_rotation_vector(angle_rad);
+  if (square > 0.25) {
+    const Quaternion half = small_turn(angle_rad * 0.5);
+    return half * half;
+  }
   const double s = 0.5 - square * (1.0 / 48.0 - square * (1.0 / 3840.0));
   return {1.0 - square * (0.125 - square * (1.0 / 384.0)), angle_rad.x * s, angle_rad.y * s, angle_rad.z * s};
 }

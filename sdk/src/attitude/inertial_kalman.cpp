@@ -51,33 +51,25 @@ void InertialKalman::predict(const InertialKalmanSettings& s, double dt, const d
   }
 }
 
-// With the optimal gain P falls by c c' / total, c the state's column. Where the bias takes only a share a of its gain, its own
-// part falls by (2 a - a^2) of that: still the covariance of what was done.
-void InertialKalman::update(int state, double innovation, double noise, double bias_gain, Correction& correction) {
-  const double inverse = 1.0 / (p[state][state] + noise);
-  double column[kStates], gain[kStates], fall[kStates];
+// Any gain g leaves P - g c' - c g' + g g' S, with c the state's column and S the innovation's variance.
+void InertialKalman::take(int state, const double (&gain)[kStates], double innovation, double total) {
+  double column[kStates];
+  for (int i = 0; i < kStates; ++i) column[i] = p[state][i];
   for (int i = 0; i < kStates; ++i) {
-    column[i] = p[state][i];
-    fall[i] = 1.0;
-    gain[i] = column[i] * inverse;
+    const double rest = gain[i] * total - column[i];
+    for (int j = 0; j <= i; ++j) p[j][i] = p[i][j] += rest * gain[j] - gain[i] * column[j];
   }
-  const double share = bias_gain * (2.0 - bias_gain);
-  for (int i = 0; i < kBias; ++i) {
-    for (int j = 0; j < kStates; ++j) p[i][j] -= column[i] * column[j] * inverse;
-  }
-  for (int j = kBias; j < kStates; ++j) {
-    fall[j] = share;
-    gain[j] *= bias_gain;
-  }
-  for (int i = kBias; i < kStates; ++i) {
-    for (int j = 0; j < kStates; ++j) p[i][j] -= column[i] * column[j] * inverse * fall[j];
-  }
-  correction.x += gain[0] * innovation;
-  correction.y += gain[1] * innovation;
-  correction.z += gain[2] * innovation;
-  velocity_mps[0] += gain[3] * innovation;
-  velocity_mps[1] += gain[4] * innovation;
-  bias_radps = bias_radps + Vector3{gain[5], gain[6], gain[7]} * innovation;
+  velocity_mps[0] += gain[kVelocity] * innovation;
+  velocity_mps[1] += gain[kVelocity + 1] * innovation;
+  bias_radps = bias_radps + Vector3{gain[kBias], gain[kBias + 1], gain[kBias + 2]} * innovation;
+}
+
+void InertialKalman::update(int state, double innovation, double noise, double bias_gain, Correction& correction) {
+  const double total = p[state][state] + noise, share = 1.0 / total;
+  double gain[kStates];
+  for (int i = 0; i < kStates; ++i) gain[i] = (i < kBias ? share : share * bias_gain) * p[state][i];
+  correction = correction + Vector3{gain[0], gain[1], gain[2]} * innovation;
+  take(state, gain, innovation, total);
 }
 
 void InertialKalman::stay(const InertialKalmanSettings& s, double dt, bool at_rest, double shake,
@@ -99,17 +91,12 @@ void InertialKalman::rest(const InertialKalmanSettings& s, double dt, Vector3 ra
   update(kBias + 2, rate.z - bias_radps.z, noise, 1.0, correction);
 }
 
-// Any gain g leaves P - g c' - c g' + g g' S, with c the heading's column and S the innovation's variance.
 void InertialKalman::pointed(double innovation, double noise, double heading_gain, double bias_gain) {
   const double total = p[kHeading][kHeading] + noise, share = bias_gain / total;
-  double column[kStates], gain[kStates] = {};
-  for (int i = 0; i < kStates; ++i) column[i] = p[i][kHeading];
+  double gain[kStates] = {};
   gain[kHeading] = heading_gain;
-  for (int i = kBias; i < kStates; ++i) gain[i] = share * column[i];
-  for (int i = 0; i < kStates; ++i) {
-    for (int j = 0; j < kStates; ++j) p[i][j] += gain[i] * (gain[j] * total - column[j]) - column[i] * gain[j];
-  }
-  bias_radps = bias_radps + Vector3{gain[5], gain[6], gain[7]} * innovation;
+  for (int i = kBias; i < kStates; ++i) gain[i] = share * p[kHeading][i];
+  take(kHeading, gain, innovation, total);
 }
 
 }  // namespace wayfuse

@@ -47,6 +47,7 @@ struct InertialKalman {
   void pointed(double innovation_rad, double noise, double gain, double bias_gain);
 
  private:
+  void take(int state, const double (&gain)[kStates], double innovation, double total);
   void update(int state, double innovation, double noise, double bias_gain, Correction& correction);
 };
 
