@@ -109,10 +109,11 @@ Result<void> App::open() {
   listener_ = *std::move(listener);
   if (const auto made = make_first_key(); !made) return made.fault();
 
-  for (const BuildingId id : store_->buildings()) keeper_.refresh(id);
+  const std::vector<BuildingId> there = store_->buildings();
+  for (const BuildingId id : there) keeper_.refresh(id);
   listener_->every(std::chrono::seconds(1), [this] { sweep(); });
   listener_->start(config_.io_threads);
-  keeper_.settle();
+  keeper_.wait_for_first_round(there);  // surveyors may already upload again: to wait for quiet would be to wait for them
   for (const auto& [id, fault] : store_->quarantined()) {
     log_.error("building_quarantined", {{"building", std::to_string(id.value)}, {"fault", to_string(fault)}});
   }

@@ -1,5 +1,6 @@
 #include "server/buildings/building_keeper.hpp"
 
+#include <algorithm>
 #include <exception>
 
 namespace wayfuse {
@@ -59,6 +60,8 @@ void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
   {
     const std::lock_guard lock(mutex_);
     ++rebuilds_;
+    once_done_.insert(id);
+    settled_.notify_all();
     if (fault) {
       failures_[id] = *std::move(fault);
     } else {
@@ -67,7 +70,6 @@ void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
     Work& work = working_.at(id);
     if (!work.again || stopped_) {
       working_.erase(id);
-      settled_.notify_all();
       return;
     }
     work.again = false;
@@ -93,6 +95,11 @@ bool BuildingKeeper::settled() const {
 void BuildingKeeper::settle() const {
   std::unique_lock lock(mutex_);
   settled_.wait(lock, [this] { return working_.empty(); });
+}
+
+void BuildingKeeper::wait_for_first_round(const std::vector<BuildingId>& ids) const {
+  std::unique_lock lock(mutex_);
+  settled_.wait(lock, [&] { return std::ranges::all_of(ids, [this](BuildingId id) { return once_done_.contains(id); }); });
 }
 
 std::uint64_t BuildingKeeper::rebuilds() const {

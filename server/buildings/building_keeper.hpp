@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "db/database_directory.hpp"
@@ -31,8 +32,10 @@ class BuildingKeeper {
   std::vector<std::pair<BuildingId, Fault>> failures() const;
   /// Nothing is being built and nothing waits.
   bool settled() const;
-  /// Waits until settled().
+  /// Waits until settled(). Never ends while somebody surveys: a server that starts waits for wait_for_first_round().
   void settle() const;
+  /// Waits until each of `ids` has been built, or has failed, once; each was given to refresh() before.
+  void wait_for_first_round(const std::vector<BuildingId>& ids) const;
   std::uint64_t rebuilds() const;
 
  private:
@@ -56,6 +59,7 @@ class BuildingKeeper {
   mutable std::condition_variable settled_;
   std::map<BuildingId, Work> working_;
   std::map<BuildingId, Fault> failures_;
+  std::set<BuildingId> once_done_;
   std::uint64_t rebuilds_ = 0;
   bool stopped_ = false;
 };

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <vector>
+
 #include "tests/integration/running_server.hpp"
 
 namespace wayfuse {
@@ -123,6 +125,26 @@ TEST_F(OwnSessions, DrainTellsEverybodyAndLeavesInOrder) {
   EXPECT_TRUE(phone.expect<Ack>());
   EXPECT_EQ(phone.close_code(), 1001);
   EXPECT_EQ(server->wait(10), 0);
+}
+
+TEST_F(OwnSessions, DrainSendsTwoThousandAwayOneByOne) {
+  start({"--limits.arrivals_burst", "10000"});
+  make_building("Hall");
+  std::vector<RawWebsocket> phones;
+  for (int i = 0; i < 2'000; ++i) {
+    phones.emplace_back(where(), key);
+    phones.back().send(hello(Role::kTrack, building));
+    ASSERT_TRUE(phones.back().expect<Welcome>()) << i;
+  }
+  server->signal(SIGTERM);
+  int told = 0, closed_in_order = 0;
+  for (RawWebsocket& phone : phones) {
+    told += phone.expect<GoAway>().has_value();
+    closed_in_order += phone.close_code() == 1001;
+  }
+  EXPECT_EQ(told, 2'000);
+  EXPECT_EQ(closed_in_order, 2'000);
+  EXPECT_EQ(server->wait(30), 0);
 }
 
 TEST_F(OwnSessions, NothingAcknowledgedIsLostByKill9) {
