@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "admin/session_token.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -57,6 +59,7 @@ std::string KeyRing::hash_of(std::string_view key) const {
 }
 
 Result<Principal> KeyRing::principal_of(std::string_view bearer_token) const {
+  if (looks_like_session_token(bearer_token)) return principal_of_session(bearer_token);
   std::shared_ptr<const std::vector<KeyRecord>> keys;
   {
     const std::lock_guard lock(mutex_);
@@ -74,6 +77,44 @@ Result<Principal> KeyRing::principal_of(std::string_view bearer_token) const {
   if (!found || found->revoked) return refused;
   if (found->expires_at && clock_.wall_now() >= *found->expires_at) return refused;
   return principal_from(*found);
+}
+
+// A token is worth what its key is worth at this moment, narrowed to tracking in its building.
+Result<Principal> KeyRing::principal_of_session(std::string_view text) const {
+  const auto token = unseal(text, secret_);
+  const Fault refused{FaultCode::kNotAuthenticated, "authorization", "the session token is not valid"};
+  if (!token) return refused;
+  if (clock_.wall_now() >= token->expires_at) {
+    return Fault{FaultCode::kNotAuthenticated, "authorization", "the session token has expired"};
+  }
+  std::shared_ptr<const std::vector<KeyRecord>> keys;
+  {
+    const std::lock_guard lock(mutex_);
+    keys = keys_;
+  }
+  const auto found = std::ranges::find(*keys, token->key_id, &KeyRecord::id);
+  if (found == keys->end() || found->revoked) return refused;
+  Principal principal = principal_from(*found);
+  if (std::ranges::find(principal.scopes, Scope::kTrack) == principal.scopes.end()) return refused;
+  principal.scopes = {Scope::kTrack};
+  if (token->building.value != 0) principal.building = token->building;
+  principal.expires_at = token->expires_at;
+  return principal;
+}
+
+Result<std::string> KeyRing::session_token(std::string_view bearer_key, BuildingId building, Duration lifetime) const {
+  const auto principal = principal_of(bearer_key);
+  if (!principal) return principal.fault();
+  if (!principal->may(Scope::kTrack, principal->building)) {
+    return Fault{FaultCode::kNotAllowed, "", "the key's scope does not cover this"};
+  }
+  if (building.value != 0 && principal->building.value != 0 && building != principal->building) {
+    return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+  }
+  const UnixTime now = clock_.wall_now();
+  UnixTime expires_at = now + std::min(lifetime, SessionToken::kLifeMost);
+  if (principal->expires_at) expires_at = std::min(expires_at, *principal->expires_at);
+  return seal({principal->key_id, building.value != 0 ? building : principal->building, expires_at}, secret_);
 }
 
 Result<IssuedKey> KeyRing::issue(std::string name, std::vector<Scope> scopes, BuildingId building,

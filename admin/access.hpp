@@ -33,6 +33,9 @@ class KeyRing final : public Access {
   Result<Principal> principal_of(std::string_view bearer_token) const override;
   Result<IssuedKey> issue(std::string name, std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires_at);
   Result<void> revoke(std::uint64_t id);
+  /// A token for one phone's sessions in the name of this key: see SessionToken. A building the key does not cover is
+  /// kUnknownBuilding; 0 = all the key covers. Never outlives the key.
+  Result<std::string> session_token(std::string_view bearer_key, BuildingId building, Duration lifetime) const;
   /// Without the revoked ones.
   std::vector<KeyRecord> keys() const;
   bool empty() const { return keys().empty(); }
@@ -40,6 +43,7 @@ class KeyRing final : public Access {
  private:
   KeyRing(DatabaseDirectory& store, const Clock& clock, std::string secret);
   std::string hash_of(std::string_view key) const;
+  Result<Principal> principal_of_session(std::string_view token) const;
   Result<void> reload();
 
   DatabaseDirectory& store_;

@@ -19,6 +19,8 @@ void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerContr
 void add_operation_routes(Router& router, ServerControl& server);
 /// API keys: make (shown once), list, revoke.
 void add_key_routes(Router& router, KeyRing& keys, const Clock& clock);
+/// Session tokens: what a phone holds instead of a key.
+void add_session_token_routes(Router& router, const KeyRing& keys);
 /// The console's page and what it loads.
 void add_console_routes(Router& router);
 

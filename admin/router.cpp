@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "admin/bearer_token.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -47,6 +49,8 @@ std::optional<BuildingId> building_in(const PathValues& values) {
   return id;
 }
 
+}  // namespace
+
 std::string_view bearer_token(const Request& request) {
   const auto found = request.headers.find("authorization");
   if (found == request.headers.end()) return {};
@@ -57,8 +61,6 @@ std::string_view bearer_token(const Request& request) {
                                          [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
   return bearer ? value.substr(kScheme.size()) : std::string_view();
 }
-
-}  // namespace
 
 bool Principal::may(Scope scope, BuildingId on) const {
   if (scope == Scope::kPublic) return true;

@@ -101,6 +101,7 @@ Result<void> App::open() {
   add_survey_routes(*router_, *store_, *this);
   add_operation_routes(*router_, *this);
   add_key_routes(*router_, *keys_, clock_);
+  add_session_token_routes(*router_, *keys_);
   add_console_routes(*router_);
   net_world_ = std::make_unique<NetWorld>(session_world_, *router_, *keys_, clock_, net_counters_, config_.net,
                                           [this](std::string_view what) { log_.error("accident", {{"what", std::string(what)}}); });

@@ -74,6 +74,7 @@ class RunningApi {
     add_survey_routes(*router, *store, server);
     add_operation_routes(*router, server);
     add_key_routes(*router, *keys, clock);
+    add_session_token_routes(*router, *keys);
     add_console_routes(*router);
     admin = issue({Scope::kAdmin, Scope::kSurvey, Scope::kTrack, Scope::kObserve}, {});
   }

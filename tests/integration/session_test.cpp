@@ -55,6 +55,43 @@ TEST_F(Sessions, ResumeAfterABrokenConnection) {
   EXPECT_EQ(welcome->applied_through, 3u);
 }
 
+TEST_F(Sessions, APhoneTracksOnTokensItRenewsAndNotBeyond) {
+  start();
+  make_building("Hall");
+  survey(1);
+  const auto token = [&](const std::string& body) {
+    const auto answer = http(port(), "POST", "/v1/buildings/1/session-tokens", key, body);
+    EXPECT_EQ(answer.status, 201) << answer.body;
+    const std::size_t at = answer.body.find("ws_");
+    return answer.body.substr(at, answer.body.find('"', at) - at);
+  };
+  RawWebsocket phone(port(), token(R"({"lifetime_s":60})"));
+  phone.send(hello(Role::kTrack, 1));
+  const auto welcome = phone.expect<Welcome>();
+  ASSERT_TRUE(welcome);
+  EXPECT_GT(welcome->token_expires_in, Duration{0});
+  EXPECT_LE(welcome->token_expires_in, std::chrono::seconds(60));
+  phone.send(TokenRefresh{token("{}")});
+  const auto accepted = phone.expect<TokenAccepted>();
+  ASSERT_TRUE(accepted);
+  EXPECT_GT(accepted->expires_in, std::chrono::seconds(600));
+  phone.send(scans(1, 2));
+  EXPECT_TRUE(phone.expect<Position>());
+
+  RawWebsocket brief(port(), token(R"({"lifetime_s":1})"));
+  brief.send(hello(Role::kTrack, 1));
+  ASSERT_TRUE(brief.expect<Welcome>());
+  const auto ended = brief.expect<FaultReport>();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->fault.code, FaultCode::kNotAuthenticated);
+
+  RawWebsocket surveyor(port(), token("{}"));
+  surveyor.send(hello(Role::kSurvey, 1));
+  const auto refused = surveyor.expect<FaultReport>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->fault.code, FaultCode::kNotAllowed);
+}
+
 TEST_F(Sessions, AnObserverSeesThePhone) {
   start();
   make_building("Hall");
