@@ -48,6 +48,7 @@ const char *c_null_is_refused(void) {
   REQUIRE(wayfuse_phone_feed_gnss(NULL, 0, 0, 0, 0) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_position_now(NULL, &position) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_next_scan(NULL, &advice) == WAYFUSE_NULL);
+  REQUIRE(wayfuse_phone_calibration(NULL, NULL) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_scan_started(NULL) == WAYFUSE_NULL);
   REQUIRE(wayfuse_survey_begin_walk(NULL, text("w")) == WAYFUSE_NULL);
   REQUIRE(wayfuse_survey_mark(NULL, 0, 0, 0, 0, 0) == WAYFUSE_NULL);
@@ -109,6 +110,8 @@ const char *c_bad_input_is_named(const char *url) {
   wayfuse_phone *phone = NULL;
   wayfuse_position position;
   wayfuse_scan_advice advice;
+  wayfuse_calibration calibration;
+  wayfuse_phone *second = NULL;
   wayfuse_state state = WAYFUSE_ENDED;
   wayfuse_reading reading;
   size_t waiting = 9;
@@ -137,6 +140,21 @@ const char *c_bad_input_is_named(const char *url) {
   wayfuse_scan_advice_init(&advice, sizeof advice);
   REQUIRE(wayfuse_phone_next_scan(phone, &advice) == WAYFUSE_OK);
   REQUIRE(!advice.possible && says(advice.why, "iOS"));
+  memset(&calibration, 0, sizeof calibration);
+  REQUIRE(wayfuse_phone_calibration(phone, &calibration) == WAYFUSE_BAD_INPUT); /* no init */
+  wayfuse_calibration_init(&calibration, sizeof calibration);
+  REQUIRE(wayfuse_phone_calibration(phone, &calibration) == WAYFUSE_OK);
+  REQUIRE(calibration.step_scale > 0.99 && calibration.step_scale < 1.01); /* nothing learnt yet */
+  options.calibration = &calibration;
+  calibration.step_scale = 1.2;
+  REQUIRE(wayfuse_phone_create(&options, &second) == WAYFUSE_OK);
+  calibration.step_scale = 1;
+  REQUIRE(wayfuse_phone_calibration(second, &calibration) == WAYFUSE_OK);
+  REQUIRE(calibration.step_scale > 1.19 && calibration.step_scale < 1.21); /* what was kept came back */
+  REQUIRE(wayfuse_phone_destroy(second) == WAYFUSE_OK);
+  calibration.turn_rate_bias_radps[1] = 5;
+  REQUIRE(wayfuse_phone_create(&options, &second) == WAYFUSE_BAD_OPTIONS);
+  REQUIRE(says(wayfuse_last_error(), "turn_rate_bias_radps"));
   REQUIRE(wayfuse_survey_end_walk(phone) != WAYFUSE_OK);
   REQUIRE(wayfuse_survey_end_point(phone) == WAYFUSE_WRONG_STATE);
   REQUIRE(wayfuse_survey_waiting(phone, &waiting) == WAYFUSE_OK && waiting == 0);
@@ -146,6 +164,7 @@ const char *c_bad_input_is_named(const char *url) {
 
 struct told {
   wayfuse_phone *phone;
+  c_bell bell;
   int positions;
   int streaming;
   int stored;
@@ -156,12 +175,15 @@ static void on_position(void *user, const wayfuse_position *position) {
   struct told *told = (struct told *)user;
   if (position->size == sizeof *position) ++told->positions;
   if (told->phone && wayfuse_phone_destroy(told->phone) == WAYFUSE_WRONG_THREAD) told->wrong_thread = 1;
+  told->bell.ring(told->bell.itself);
 }
 static void on_state(void *user, wayfuse_state state) {
   if (state == WAYFUSE_STREAMING) ((struct told *)user)->streaming = 1;
 }
 static void on_stored(void *user, wayfuse_text key, uint32_t stored) {
-  if (key.length > 0) ((struct told *)user)->stored += (int)stored;
+  struct told *told = (struct told *)user;
+  if (key.length > 0) told->stored += (int)stored;
+  told->bell.ring(told->bell.itself);
 }
 static size_t give_token(void *user, char *into, size_t capacity) {
   (void)user;
@@ -170,12 +192,14 @@ static size_t give_token(void *user, char *into, size_t capacity) {
   return 3;
 }
 
-const char *c_tracks(const char *url, c_wait wait) {
+const char *c_tracks(const char *url, c_bell bell) {
   struct told told;
   wayfuse_options options;
   wayfuse_position position;
+  int64_t now_us;
   int i;
   memset(&told, 0, sizeof told);
+  told.bell = bell;
   wayfuse_options_init(&options, sizeof options);
   options.url = text(url);
   options.device_model = text("c");
@@ -187,17 +211,19 @@ const char *c_tracks(const char *url, c_wait wait) {
   REQUIRE(wayfuse_phone_create(&options, &told.phone) == WAYFUSE_OK);
   REQUIRE(wayfuse_phone_start(told.phone) == WAYFUSE_OK);
   wayfuse_position_init(&position, sizeof position);
-  for (i = 0; i < 4000 && wayfuse_phone_position_now(told.phone, &position) != WAYFUSE_OK; ++i) {
+  now_us = wayfuse_now_us();
+  for (i = 50; i >= 0; --i) { /* the last second, lying still */
     wayfuse_marg_sample sample;
     memset(&sample, 0, sizeof sample);
-    sample.time_us = wayfuse_now_us();
+    sample.time_us = now_us - i * 20000;
     sample.has = WAYFUSE_HAS_ACCELERATION | WAYFUSE_HAS_TURN_RATE | WAYFUSE_HAS_FIELD;
     sample.acceleration_mps2[2] = 9.81;
     sample.field_ut[1] = 22;
     sample.field_ut[2] = -42;
     REQUIRE(wayfuse_phone_feed_motion(told.phone, &sample, 1) == WAYFUSE_OK);
-    wait();
   }
+  REQUIRE(bell.wait(bell.itself, 1));
+  REQUIRE(wayfuse_phone_position_now(told.phone, &position) == WAYFUSE_OK);
   REQUIRE(position.x_m > 2.9 && position.x_m < 3.1);
   REQUIRE(position.floor == 2);
   REQUIRE(wayfuse_phone_stop(told.phone) == WAYFUSE_OK);
@@ -208,13 +234,13 @@ const char *c_tracks(const char *url, c_wait wait) {
   return NULL;
 }
 
-const char *c_surveys(const char *url, c_wait wait) {
+const char *c_surveys(const char *url, c_bell bell) {
   struct told told;
   wayfuse_options options;
   wayfuse_reading reading;
   size_t waiting = 1;
-  int i;
   memset(&told, 0, sizeof told);
+  told.bell = bell;
   memset(&reading, 0, sizeof reading);
   reading.bssid = 0xaabbccddeeff;
   reading.rss_dbm = -50;
@@ -238,10 +264,8 @@ const char *c_surveys(const char *url, c_wait wait) {
   REQUIRE(wayfuse_survey_begin_point(told.phone, 1, 1, 0, 0.1) == WAYFUSE_OK);
   REQUIRE(wayfuse_phone_feed_scan(told.phone, 5000000, &reading, 1) == WAYFUSE_OK);
   REQUIRE(wayfuse_survey_end_point(told.phone) == WAYFUSE_OK);
-  for (i = 0; i < 4000 && waiting > 0; ++i) {
-    wait();
-    REQUIRE(wayfuse_survey_waiting(told.phone, &waiting) == WAYFUSE_OK);
-  }
+  REQUIRE(bell.wait(bell.itself, 2)); /* the walk and the point */
+  REQUIRE(wayfuse_survey_waiting(told.phone, &waiting) == WAYFUSE_OK);
   REQUIRE(waiting == 0);
   REQUIRE(wayfuse_phone_destroy(told.phone) == WAYFUSE_OK);
   REQUIRE(told.stored == 2);

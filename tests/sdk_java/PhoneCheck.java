@@ -1,3 +1,5 @@
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.TimeUnit;
 import org.wayfuse.Phone;
 
 /** Drives the binding against the test's server; leaves with 0 and "all is well", or says what failed. */
@@ -21,6 +23,7 @@ public class PhoneCheck {
 
   static volatile int positions, streaming, tokens;
   static volatile String why = "";
+  static final CountDownLatch placed = new CountDownLatch(1), parted = new CountDownLatch(1);
 
   public static void main(String[] words) throws Exception {
     Phone.Listener quiet = new Phone.Listener() {};
@@ -37,6 +40,7 @@ public class PhoneCheck {
       }
       @Override public void onPosition(Phone.Position position) {
         ++positions;
+        placed.countDown();
         throw new IllegalStateException("the listener's own affair");
       }
     };
@@ -50,16 +54,15 @@ public class PhoneCheck {
     refused(IllegalArgumentException.class, "one length",
         () -> phone.onScanResults(5, new String[] {"00:00:00:00:00:01"}, new int[] {}, new int[] {2412}, new long[] {1}));
     phone.start();
-    Phone.Position position = null;
-    // The position is there a moment before the listener hears of it.
-    for (int i = 0; i < 4000 && (position == null || positions == 0); ++i) {
-      long now = 1000 * Phone.nowUs();
-      phone.onSensorEvents(new int[] {1, 4, 2, 99}, new long[] {now, now, now, now},
+    long start = Phone.nowUs();
+    for (int i = 50; i >= 0; --i) {  // the last second, lying still
+      long then = 1000 * (start - 20_000 * i);
+      phone.onSensorEvents(new int[] {1, 4, 2, 99}, new long[] {then, then, then, then},
           new float[] {0, 0, 9.81f, 0, 0, 0, 0, 22, -42, 1, 2, 3});
-      phone.onScanResults(now / 1000, new String[] {"0a:0b:0c:0d:0e:0f"}, new int[] {-50}, new int[] {2412}, new long[] {now / 1000 + 5});
-      Thread.sleep(2);
-      position = phone.positionNow();
     }
+    phone.onScanResults(start, new String[] {"0a:0b:0c:0d:0e:0f"}, new int[] {-50}, new int[] {2412}, new long[] {start + 5});
+    require(placed.await(20, TimeUnit.SECONDS), "a position came");
+    Phone.Position position = phone.positionNow();
     require(position != null && Math.abs(position.xM - 3) < 0.1 && position.floor == 2, "the position of the server");
     require(Double.isNaN(position.latitudeDeg), "no place on the map");
     require(positions > 0 && streaming == 1 && tokens == 1, "callbacks came");
@@ -70,12 +73,11 @@ public class PhoneCheck {
     try (Phone lonely = new Phone("ws://127.0.0.1:9/", 1, "java", true, new Phone.Listener() {
       @Override public void onDisconnected(String said) {
         why = said;
+        parted.countDown();
       }
     })) {
       lonely.start();
-      for (int i = 0; i < 4000 && why.isEmpty(); ++i) {
-        Thread.sleep(2);
-      }
+      require(parted.await(20, TimeUnit.SECONDS), "the failed connection was told");
     }
     require(why.startsWith("connect"), "why there is no connection: " + why);
     refused(IllegalStateException.class, "closed", phone::start);

@@ -1,5 +1,7 @@
 #include "sdk/src/c/c_words.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace wayfuse {
@@ -17,6 +19,23 @@ thread_local Refusal refusal;
 
 Vector3 vector_of(const double (&axes)[3]) {
   return {axes[0], axes[1], axes[2]};
+}
+
+// What an application kept in a file may be anything.
+wayfuse_status check_calibration(const wayfuse_calibration& kept) {
+  if (kept.size < sizeof kept) return refuse(WAYFUSE_BAD_OPTIONS, "calibration.size is not set: use wayfuse_calibration_init");
+  const auto within = [](const double (&axes)[3], double most) {
+    return std::all_of(axes, axes + 3, [most](double axis) { return std::abs(axis) <= most; });
+  };
+  if (!within(kept.turn_rate_bias_radps, 1.0)) return refuse(WAYFUSE_BAD_OPTIONS, "calibration.turn_rate_bias_radps: outside -1..1");
+  if (!(kept.bias_sigma_radps >= 0.0 && kept.bias_sigma_radps <= 1.0))
+    return refuse(WAYFUSE_BAD_OPTIONS, "calibration.bias_sigma_radps: outside 0..1");
+  if (!within(kept.field_offset_ut, 2000.0)) return refuse(WAYFUSE_BAD_OPTIONS, "calibration.field_offset_ut: outside -2000..2000");
+  if (!(kept.step_scale >= 0.7 && kept.step_scale <= 1.4))
+    return refuse(WAYFUSE_BAD_OPTIONS, "calibration.step_scale: outside 0.7..1.4");
+  if (!(kept.step_scale_sigma >= 0.0 && kept.step_scale_sigma <= 1.0))
+    return refuse(WAYFUSE_BAD_OPTIONS, "calibration.step_scale_sigma: outside 0..1");
+  return WAYFUSE_OK;
 }
 
 wayfuse_status check_options(const wayfuse_options& options) {
@@ -38,7 +57,7 @@ wayfuse_status check_options(const wayfuse_options& options) {
   }
   if (options.role == WAYFUSE_SURVEY && options.building == 0)
     return refuse(WAYFUSE_BAD_OPTIONS, "building: a survey needs one");
-  return WAYFUSE_OK;
+  return options.calibration ? check_calibration(*options.calibration) : WAYFUSE_OK;
 }
 
 }  // namespace
@@ -169,6 +188,24 @@ wayfuse_scan_advice words_of(const ScanAdvice& advice) {
   made.at_us = advice.at ? advice.at->time_since_epoch().count() : 0;
   made.why = text_of(advice.why);
   return made;
+}
+
+wayfuse_calibration words_of(const MotionCalibration& calibration) {
+  wayfuse_calibration made;
+  init_words(&made, sizeof made);
+  const auto copy = [](const Vector3& from, double (&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+  copy(calibration.sensors.turn_rate_bias_radps, made.turn_rate_bias_radps);
+  made.bias_sigma_radps = calibration.sensors.bias_sigma_radps;
+  copy(calibration.sensors.field_offset_ut, made.field_offset_ut);
+  made.step_scale = calibration.step_scale;
+  made.step_scale_sigma = calibration.step_scale_sigma;
+  return made;
+}
+
+MotionCalibration calibration_of(const wayfuse_calibration& calibration) {
+  return {{vector_of(calibration.turn_rate_bias_radps), calibration.bias_sigma_radps, vector_of(calibration.field_offset_ut)},
+          calibration.step_scale,
+          calibration.step_scale_sigma};
 }
 
 }  // namespace wayfuse

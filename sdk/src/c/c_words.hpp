@@ -9,6 +9,7 @@
 #include "wayfuse/proto/message.hpp"
 #include "wayfuse/proto/result.hpp"
 #include "wayfuse/sdk/marg.hpp"
+#include "wayfuse/sdk/motion_tracker.hpp"
 #include "wayfuse/sdk/position_now.hpp"
 #include "wayfuse/sdk/scan_planner.hpp"
 #include "wayfuse/sdk/wayfuse.h"
@@ -51,5 +52,8 @@ Result<RssScan> scan_of(int64_t time_us, const wayfuse_reading* readings, std::s
 wayfuse_position words_of(const LivePosition& live);
 wayfuse_position words_of(const FusedPosition& fused);
 wayfuse_scan_advice words_of(const ScanAdvice& advice);
+wayfuse_calibration words_of(const MotionCalibration& calibration);
+/// Precondition: it was checked with the options.
+MotionCalibration calibration_of(const wayfuse_calibration& calibration);
 
 }  // namespace wayfuse

@@ -70,6 +70,7 @@ ClientEvents Phone::client_events() {
     {
       const std::lock_guard lock(mutex_);
       position_.fused(position.position, loop_.now());
+      motion_.taught(position.position);
     }
     if (events_.position) events_.position(position.position);
   };
@@ -155,6 +156,11 @@ Result<void> Phone::feed(const GnssFix& fix) {
 std::optional<LivePosition> Phone::position_now() {
   const std::lock_guard lock(mutex_);
   return position_.at(loop_.now());
+}
+
+MotionCalibration Phone::calibration() {
+  const std::lock_guard lock(mutex_);
+  return motion_.calibration();
 }
 
 ScanAdvice Phone::next_scan() {

@@ -57,6 +57,7 @@ class Phone {
   Result<void> feed(const RssScan& scan);
   Result<void> feed(const GnssFix& fix);
   std::optional<LivePosition> position_now();
+  MotionCalibration calibration();
   ScanAdvice next_scan();
   void scan_started();
 

@@ -66,6 +66,7 @@ PhoneSettings settings_of(const wayfuse_options& options) {
   settings.link.ca_pem = string_of(options.ca_pem);
   if (options.pin.length > 0) settings.link.pins.push_back(string_of(options.pin));
   if (options.heading_estimator.length > 0) settings.motion.heading_estimator = string_of(options.heading_estimator);
+  if (options.calibration) settings.motion.calibration = calibration_of(*options.calibration);
   settings.platform = static_cast<ScanPlatform>(options.platform);
   settings.seed = options.seed;
   return settings;
@@ -116,6 +117,11 @@ void wayfuse_options_init(wayfuse_options* options, size_t size) {
 }
 void wayfuse_position_init(wayfuse_position* position, size_t size) {
   init_words(position, size);
+}
+void wayfuse_calibration_init(wayfuse_calibration* calibration, size_t size) {
+  if (!calibration) return;
+  init_words(calibration, size);
+  if (size >= sizeof *calibration) give_words(words_of(MotionCalibration{}), calibration);
 }
 void wayfuse_scan_advice_init(wayfuse_scan_advice* advice, size_t size) {
   init_words(advice, size);
@@ -209,6 +215,11 @@ wayfuse_status wayfuse_phone_position_now(wayfuse_phone* phone, wayfuse_position
     if (!live) return refuse(WAYFUSE_NO_POSITION, "no fused position has come yet");
     return give_words(words_of(*live), position);
   });
+}
+
+wayfuse_status wayfuse_phone_calibration(wayfuse_phone* phone, wayfuse_calibration* calibration) {
+  if (!calibration) return refuse(WAYFUSE_NULL, "calibration is NULL");
+  return with_phone(phone, [&](Phone& inner) { return give_words(words_of(inner.calibration()), calibration); });
 }
 
 wayfuse_status wayfuse_phone_next_scan(wayfuse_phone* phone, wayfuse_scan_advice* advice) {

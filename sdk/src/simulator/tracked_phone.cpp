@@ -69,6 +69,7 @@ ClientEvents TrackedPhone::events_into(ErrorLog& log, bool main) {
     if (const auto truth = feed_->truth_at(position.position.valid_at)) log.add(position.position.place, *truth);
     if (!main) return;
     ++positions_;
+    motion_.taught(position.position);
     position_ = position.position;
   };
   events.fault = [this](const FaultReport& report) { fault_ = report.fault; };

@@ -30,8 +30,8 @@
 extern "C" {
 #endif
 
-/* Grows when a function or a field is added; 1 is the first. */
-#define WAYFUSE_ABI_VERSION 1
+/* Grows when a function or a field is added; 1 is the first. 2 added the calibration. */
+#define WAYFUSE_ABI_VERSION 2
 
 typedef enum wayfuse_status {
   WAYFUSE_OK = 0,
@@ -98,6 +98,17 @@ typedef struct wayfuse_scan_advice {
 } wayfuse_scan_advice;
 WAYFUSE_API void wayfuse_scan_advice_init(wayfuse_scan_advice* advice, size_t size);
 
+/* What the phone has learnt of its sensors and its walker: keep it when the application ends, give it back at the start. */
+typedef struct wayfuse_calibration {
+  size_t size;
+  double turn_rate_bias_radps[3];  /* of the gyroscope, body frame */
+  double bias_sigma_radps;         /* per axis; 0 = nothing known */
+  double field_offset_ut[3];       /* hard iron, body frame */
+  double step_scale;               /* of this walker's steps against the general model, 0.7..1.4 */
+  double step_scale_sigma;
+} wayfuse_calibration;
+WAYFUSE_API void wayfuse_calibration_init(wayfuse_calibration* calibration, size_t size);
+
 /* Called on the phone's thread; any may be NULL. `user` is the one of the options. */
 typedef void (*wayfuse_on_position)(void* user, const wayfuse_position* position); /* as the server fused it */
 typedef void (*wayfuse_on_state)(void* user, wayfuse_state state);
@@ -134,6 +145,7 @@ typedef struct wayfuse_options {
   wayfuse_on_samples_lost on_samples_lost;
   wayfuse_on_survey_stored on_survey_stored;
   wayfuse_on_disconnected on_disconnected;
+  const wayfuse_calibration* calibration; /* from last time; NULL = none. Since 2 */
 } wayfuse_options;
 WAYFUSE_API void wayfuse_options_init(wayfuse_options* options, size_t size);
 
@@ -189,6 +201,9 @@ WAYFUSE_API wayfuse_status wayfuse_phone_feed_gnss(wayfuse_phone* phone, int64_t
 
 /* Where the phone is at this moment; cheap enough for every frame. WAYFUSE_NO_POSITION before the first. */
 WAYFUSE_API wayfuse_status wayfuse_phone_position_now(wayfuse_phone* phone, wayfuse_position* position);
+
+/* What has been learnt so far. Since 2 */
+WAYFUSE_API wayfuse_status wayfuse_phone_calibration(wayfuse_phone* phone, wayfuse_calibration* calibration);
 
 /* When to ask the system for a scan. Tell every scan asked for with wayfuse_phone_scan_started. */
 WAYFUSE_API wayfuse_status wayfuse_phone_next_scan(wayfuse_phone* phone, wayfuse_scan_advice* advice);
