@@ -92,7 +92,7 @@ Result<AttitudeTrial> read_broad_trial(const std::string& path) {
   if (at == std::string_view::npos) return file->fault("sampling_rate_hz=... expected");
   const std::string_view rest = comment->substr(at + kRate.size());
   const auto rate_hz = number(rest.substr(0, rest.find(' ')));
-  if (!rate_hz || *rate_hz <= 0.0) return file->fault("the sampling rate is not a positive number");
+  if (!rate_hz || *rate_hz < 1.0 || *rate_hz > 100'000.0) return file->fault("the sampling rate is outside 1..100000 Hz");
   file->next_line();  // column names
   std::vector<std::string_view> fields;
   for (std::size_t row = 0; const auto line = file->next_line(); ++row) {

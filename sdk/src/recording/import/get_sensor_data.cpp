@@ -109,14 +109,14 @@ std::string LogReader::wifi(const std::vector<std::string_view>& whole) {
   if (fields.size() < 6 || !numbers(fields, 1, times)) return "app time, sensor time, ssid, bssid, frequency and rss expected";
   const std::size_t last = fields.size() - 1;
   const auto rss = number(fields[last]);
-  if (!rss || *rss < -120.0 || *rss > 0.0) return "rss " + std::string(fields[last]) + " is outside -120..0 dBm";
+  if (!rss || *rss < -120.0 || *rss > 0.0) return "rss " + shown(fields[last]) + " is outside -120..0 dBm";
   auto bssid = parse_bssid(fields[last - 1]);   // logs before 2019 tell no frequency
   std::optional<std::int64_t> frequency;
   if (!bssid) {
     bssid = parse_bssid(fields[last - 2]);
     frequency = whole_number(fields[last - 1]);
-    if (!bssid) return "not a BSSID: " + std::string(fields[last - 2]);
-    if (!frequency || *frequency < 0 || *frequency > 65'535) return "not a frequency: " + std::string(fields[last - 1]);
+    if (!bssid) return "not a BSSID: " + shown(fields[last - 2]);
+    if (!frequency || *frequency < 0 || *frequency > 65'535) return "not a frequency: " + shown(fields[last - 1]);
   }
   if (times[0] < 0 || times[0] > kTimeMost_s) return "the app time is outside 0..1e9 s";
   wifi_.push_back({{times[0], times[1]}, {*bssid, *rss, Duration{0}, static_cast<std::uint16_t>(frequency.value_or(0)), {}, {}}});
@@ -127,6 +127,7 @@ std::string LogReader::wifi(const std::vector<std::string_view>& whole) {
 std::string LogReader::satellites(const std::vector<std::string_view>& fields) {
   std::array<double, 8> v{};
   if (!numbers(fields, 1, v)) return "app time, sensor time, latitude, longitude, altitude, bearing, accuracy and speed expected";
+  if (v[0] < 0 || v[0] > kTimeMost_s) return "the app time is outside 0..1e9 s";
   if (std::abs(v[2]) > 90.0 || std::abs(v[3]) > 180.0) return "latitude or longitude is outside the earth";
   if (v[6] <= 0.0) return "";   // no fix yet
   GnssFix fix{at(v[0]), {v[2], v[3]}, v[6], {}, {}};
@@ -140,6 +141,7 @@ std::string LogReader::satellites(const std::vector<std::string_view>& fields) {
 std::string LogReader::place(const std::vector<std::string_view>& fields) {
   std::array<double, 5> v{};
   if (!numbers(fields, 1, v)) return "time, counter, latitude, longitude and floor expected";
+  if (v[0] < 0 || v[0] > kTimeMost_s) return "the time is outside 0..1e9 s";
   if (std::abs(v[2]) > 90.0 || std::abs(v[3]) > 180.0) return "latitude or longitude is outside the earth";
   if (std::abs(v[4]) > 200.0) return "the floor is outside -200..200";
   places_.push_back({v[0], {v[2], v[3]}, {static_cast<std::int32_t>(std::lround(v[4]))}});

@@ -87,13 +87,13 @@ std::string WalkReader::wifi(std::int64_t time_ms, const std::vector<std::string
   if (fields.size() < 7) return "ssid, bssid, rssi, frequency and last-seen time expected";
   const std::size_t last = fields.size() - 1;
   const auto bssid = parse_bssid(fields[last - 3]);
-  if (!bssid) return "not a BSSID: " + std::string(fields[last - 3]);
+  if (!bssid) return "not a BSSID: " + shown(fields[last - 3]);
   const auto rss = number(fields[last - 2]);
-  if (!rss || *rss < -120.0 || *rss > 0.0) return "rssi " + std::string(fields[last - 2]) + " is outside -120..0 dBm";
+  if (!rss || *rss < -120.0 || *rss > 0.0) return "rssi " + shown(fields[last - 2]) + " is outside -120..0 dBm";
   const auto frequency = whole_number(fields[last - 1]);
-  if (!frequency || *frequency < 0 || *frequency > 65535) return "not a frequency: " + std::string(fields[last - 1]);
+  if (!frequency || *frequency < 0 || *frequency > 65535) return "not a frequency: " + shown(fields[last - 1]);
   const auto last_seen_ms = whole_number(fields[last]);
-  if (!last_seen_ms || *last_seen_ms > 9'999'999'999'999) return "not a last-seen time: " + std::string(fields[last]);
+  if (!last_seen_ms || *last_seen_ms < 0 || *last_seen_ms > 9'999'999'999'999) return "not a last-seen time: " + shown(fields[last]);
   const std::int64_t age_ms = std::max<std::int64_t>(0, time_ms - *last_seen_ms);
   auto& readings = scans_[time_ms];
   if (age_ms > kReadingAgeMost_ms) return "";  // an honest row, but older than a reading may be

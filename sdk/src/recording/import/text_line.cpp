@@ -63,6 +63,15 @@ void split(std::string_view line, char separator, std::vector<std::string_view>&
   }
 }
 
+std::string shown(std::string_view field) {
+  constexpr std::size_t kMost = 40;
+  std::string text(field.substr(0, kMost));
+  for (char& c : text) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return field.size() > kMost ? text + ".." : text;
+}
+
 std::optional<double> number(std::string_view field) {
   field = trimmed(field);
   if (field.starts_with('+')) field.remove_prefix(1);

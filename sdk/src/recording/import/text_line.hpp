@@ -37,6 +37,9 @@ class TextFile {
 /// Cuts a line at every `separator`; a run of spaces counts as one. Replaces what `fields` held.
 void split(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
+/// What a field holds, for people: 40 bytes at most, whatever is not printable ASCII as `?`.
+std::string shown(std::string_view field);
+
 /// The whole field as a number, spaces around it allowed; NaN and infinities are not numbers here.
 std::optional<double> number(std::string_view field);
 std::optional<std::int64_t> whole_number(std::string_view field);
