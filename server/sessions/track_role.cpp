@@ -1,4 +1,5 @@
 #include "server/sessions/role.hpp"
+#include "server/sessions/scan_wishes.hpp"
 
 namespace wayfuse {
 namespace {
@@ -118,10 +119,16 @@ class TrackRole final : public RoleConversation {
       world_.counters.position_age_us += static_cast<std::uint64_t>(age_us > 0 ? age_us : 0);
       world_.board.moved(session_->tracked(), *position, outcome.applied_through, world_.clock.wall_now());
       output_.send(Position{*position, outcome.applied_through});
+      wish(wishes_.after(*position));
     } else if (const auto* reason = std::get_if<Fault>(&outcome.answer)) {
       world_.counters.no_fixes++;
       output_.send(NoFix{outcome.at, *reason});
+      wish(wishes_.without_position());
     }
+  }
+
+  void wish(const std::optional<ScanHint>& hint) {
+    if (hint) output_.send(*hint);
   }
 
   SessionWorld& world_;
@@ -132,6 +139,7 @@ class TrackRole final : public RoleConversation {
   const std::uint64_t generation_;
   ClockOffset clock_offset_;
   std::optional<std::uint64_t> gap_said_after_;
+  ScanWishes wishes_;
 };
 
 Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {
