@@ -33,4 +33,17 @@ export PKG_CONFIG_PATH
 # shellcheck disable=SC2046
 cc -std=c99 -D_POSIX_C_SOURCE=200809L "$source/sdk/examples/moving_dot.c" $(pkg-config --cflags --libs wayfuse) -o "$work/dot"
 LD_LIBRARY_PATH=$(pkg-config --variable=libdir wayfuse) expect_usage "$work/dot"
+# The header by itself, by every C compiler here and by C++ of all ages, all warnings on.
+for compiler in cc clang clang-14; do
+  command -v $compiler >/dev/null || continue
+  case $compiler in clang*) warnings="-Weverything -Wno-padded" ;; *) warnings="-Wconversion -Wshadow -Wstrict-prototypes -Wmissing-prototypes" ;; esac
+  for standard in c99 c11 c17; do
+    # shellcheck disable=SC2086
+    echo '#include <wayfuse/sdk/wayfuse.h>' |
+      $compiler -std=$standard -Wall -Wextra -Wpedantic $warnings -Werror -x c -fsyntax-only -I"$work/moved/include" -
+  done
+done
+for standard in c++98 c++11 c++20; do
+  echo '#include <wayfuse/sdk/wayfuse.h>' | c++ -std=$standard -Wall -Wextra -Wpedantic -Werror -x c++ -fsyntax-only -I"$work/moved/include" -
+done
 echo "installed, moved, found by CMake and by pkg-config"
