@@ -7,6 +7,10 @@ images_are_fit() {
   # What both builds share is written once in each: equal, so that it is built once.
   cmp -s <(sed -n '/AS build/,/strip/p' "$SOURCE/docker/server.Dockerfile") <(sed -n '/AS build/,/strip/p' "$SOURCE/docker/phone.Dockerfile") ||
     die "the build stages of server.Dockerfile and phone.Dockerfile differ"
+  local package
+  for package in $(sed -n '/^PACKAGES=(/,/)$/p' "$SOURCE/run" | tr -d '()' | sed 's/^PACKAGES=//'); do
+    [ "$package" = ccache ] || grep -qw -- "$package" "$SOURCE/docker/server.Dockerfile" || die "./run installs $package to build, server.Dockerfile does not"
+  done
 }
 
 it_comes_up_locked_down() {
