@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "db/corrector_table.hpp"
 #include "db/file_lock.hpp"
 #include "db/packing.hpp"
 #include "db/radio_map_shelf.hpp"
@@ -248,6 +249,13 @@ Result<void> BuildingDatabase::note_quality(const MapQuality& quality) {
 }
 Result<std::vector<MapQuality>> BuildingDatabase::qualities(std::uint64_t version) {
   return connection_->run([&](SqliteConnection& sqlite) { return RadioMapShelf(sqlite).qualities(version); });
+}
+
+Result<std::optional<CorrectorRecord>> BuildingDatabase::corrector(const std::string& pipeline) {
+  return connection_->run([&](SqliteConnection& sqlite) { return read_corrector(sqlite, pipeline); });
+}
+Result<void> BuildingDatabase::keep_corrector(const CorrectorRecord& corrector) {
+  return connection_->run([&](SqliteConnection& sqlite) { write_corrector(sqlite, corrector); });
 }
 
 Result<VerifyReport> BuildingDatabase::verify() { return connection_->run(verify_building); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "db/corrector_record.hpp"
 #include "db/radio_map_record.hpp"
 #include "db/zone_record.hpp"
 #include "wayfuse/proto/fingerprint.hpp"
@@ -128,6 +129,10 @@ class BuildingDatabase {
   /// Replaces what this map measured on this walk before.
   Result<void> note_quality(const MapQuality& quality);
   Result<std::vector<MapQuality>> qualities(std::uint64_t version);
+
+  /// What that pipeline learnt last; absent: nothing, or nothing kept.
+  Result<std::optional<CorrectorRecord>> corrector(const std::string& pipeline);
+  Result<void> keep_corrector(const CorrectorRecord& corrector);
 
   /// Reads everything and holds it against its hashes and counts: a flipped bit in a reading is found too.
   Result<VerifyReport> verify();

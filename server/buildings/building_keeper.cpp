@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <exception>
 
+#include "server/pipeline/corrector.hpp"
+
 namespace wayfuse {
 
-BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run)
-    : store_(store), shelf_(shelf), run_(std::move(run)) {}
+BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, bool gate)
+    : store_(store), shelf_(shelf), run_(std::move(run)), gate_(gate) {}
 
 void BuildingKeeper::refresh(BuildingId id) {
   {
@@ -35,7 +37,10 @@ void BuildingKeeper::read(BuildingId id, Result<BuildingDatabase*> database) {
 Result<BuildingKeeper::Survey> BuildingKeeper::read_survey(BuildingDatabase& database) {
   auto record = database.building();
   if (!record) return record.fault();
-  Survey survey{*std::move(record), {}};
+  const auto corrector = database.corrector(record->pipeline);
+  if (!corrector) return corrector.fault();
+  const bool current = *corrector && (*corrector)->survey_version == record->survey_version && Corrector::parse((*corrector)->content);
+  Survey survey{*std::move(record), {}, current ? (*corrector)->content : std::string{}};
   for (PointQuery query;;) {
     auto page = database.points(query);
     if (!page) return page.fault();
@@ -47,13 +52,23 @@ Result<BuildingKeeper::Survey> BuildingKeeper::read_survey(BuildingDatabase& dat
 
 void BuildingKeeper::build(BuildingId id, Survey survey) {
   try {
-    auto building = Building::make(std::move(survey.record), std::move(survey.points));
+    auto building = Building::make(std::move(survey.record), std::move(survey.points), gate_, survey.corrector);
     if (!building) return done(id, building.fault());
+    keep(**building, survey.corrector);
     shelf_.put(*std::move(building));
     done(id, std::nullopt);
   } catch (const std::exception& broken) {  // out of memory over one huge survey must not end the server
     done(id, Fault{FaultCode::kInternal, "building", broken.what()});
   }
+}
+
+// Trained once a survey version: the next start finds it. A disk that does not take it only costs the training again.
+void BuildingKeeper::keep(const Building& building, const std::string& stored) {
+  CorrectorRecord corrector{building.record().pipeline, building.record().survey_version, building.learnt()};
+  if (corrector.content.empty() || corrector.content == stored) return;
+  store_.with_building(building.record().id, [corrector = std::move(corrector)](Result<BuildingDatabase*> database) {
+    if (database) static_cast<void>((*database)->keep_corrector(corrector));
+  });
 }
 
 void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {

@@ -23,7 +23,8 @@ class BuildingKeeper {
   /// Runs a task some time later, off the caller's thread (or inline, in a simulation).
   using Run = std::function<void(std::function<void()>)>;
 
-  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run);
+  /// `gate`: whether points the rest of a survey contradicts stay out of its map; off only to measure what it is worth.
+  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, bool gate = true);
 
   void refresh(BuildingId id);
   /// No new reads from here on; what is being built is finished.
@@ -45,16 +46,19 @@ class BuildingKeeper {
   struct Survey {
     BuildingRecord record;
     std::vector<ReferencePoint> points;
+    std::string corrector;         // of the building's own pipeline, if it learnt it from these points
   };
   void begin(BuildingId id);
   void read(BuildingId id, Result<BuildingDatabase*> database);
   void build(BuildingId id, Survey survey);
+  void keep(const Building& building, const std::string& stored);
   void done(BuildingId id, std::optional<Fault> fault);
   static Result<Survey> read_survey(BuildingDatabase& database);
 
   DatabaseDirectory& store_;
   BuildingShelf& shelf_;
   const Run run_;
+  const bool gate_;
   mutable std::mutex mutex_;
   mutable std::condition_variable settled_;
   std::map<BuildingId, Work> working_;

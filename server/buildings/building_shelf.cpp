@@ -18,6 +18,23 @@ std::vector<Bssid> transmitters_of(const std::vector<ReferencePoint>& survey) {
   return {heard.begin(), heard.end()};
 }
 
+// Takes what the gate doubts out of the survey.
+std::vector<DoubtfulPoint> take_doubtful(std::vector<ReferencePoint>& survey) {
+  std::vector<DoubtfulPoint> taken;
+  for (const SurveyDoubt& doubt : doubtful_points(survey)) {
+    const ReferencePoint& point = survey[doubt.point];
+    taken.push_back({doubt, point.place, point.walk, point.device_model, point.surveyed_at});
+  }
+  std::size_t next = 0, index = 0;
+  std::erase_if(survey, [&](const ReferencePoint&) {
+    const bool doubted = next < taken.size() && taken[next].doubt.point == index;
+    next += doubted;
+    ++index;
+    return doubted;
+  });
+  return taken;
+}
+
 std::size_t count_known(std::span<const Bssid> known, std::span<const Bssid> heard) {
   return static_cast<std::size_t>(
       std::ranges::count_if(heard, [&](Bssid bssid) { return std::ranges::binary_search(known, bssid); }));
@@ -33,8 +50,10 @@ double year_of(const std::vector<ReferencePoint>& survey) {
 
 }  // namespace
 
-Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey) {
+Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate,
+                                                        std::string corrector) {
   std::shared_ptr<Building> building(new Building());
+  if (gate) building->doubts_ = take_doubtful(survey);
   building->transmitters_ = transmitters_of(survey);
   // An operator who tells where the building lies need not look its declination up.
   if (record.georeference && record.magnetic_field == MagneticField{} && !survey.empty()) {
@@ -47,12 +66,17 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, st
   site->floors = record.floors;
   site->survey = std::move(survey);
   site->radio_map_version = record.survey_version;
+  site->corrector = std::move(corrector);
   building->site_ = std::move(site);
   building->record_ = std::move(record);
   const auto own = building->pipeline("");
   if (!own) return own.fault();
   return std::shared_ptr<const Building>(std::move(building));
 }
+
+std::vector<std::string> Building::remarks() const { return pipeline("").value()->remarks(); }
+
+std::string Building::learnt() const { return pipeline("").value()->learnt(); }
 
 Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::string& name) const {
   const std::string& wanted = name.empty() ? record_.pipeline : name;

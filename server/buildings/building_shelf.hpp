@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "db/building_database.hpp"
+#include "server/buildings/doubtful_point.hpp"
 #include "server/pipeline/tracker.hpp"
 
 namespace wayfuse {
@@ -17,13 +18,21 @@ namespace wayfuse {
 /// An immutable snapshot of a building, ready to track in: what sessions hold while a newer one is made.
 class Building {
  public:
-  /// Builds the radio map and the building's own pipeline; other presets are made when first asked for.
-  static Result<std::shared_ptr<const Building>> make(BuildingRecord record, std::vector<ReferencePoint> survey);
+  /// Builds the radio map and the building's own pipeline; other presets are made when first asked for. Points that the rest
+  /// of the survey contradicts stay out of every pipeline's map (and stay in the store): doubts(). `corrector`: what the
+  /// building's own pipeline learnt from this very survey before; empty = it learns anew.
+  static Result<std::shared_ptr<const Building>> make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate = true,
+                                                      std::string corrector = {});
 
   const BuildingRecord& record() const { return record_; }
   const std::shared_ptr<const Site>& site() const { return site_; }
   /// Empty name = the building's own pipeline. Thread: any.
   Result<std::shared_ptr<const TrackerFactory>> pipeline(const std::string& name) const;
+  /// Of the building's own pipeline: what it could not prepare, and what it learnt from the survey (to be kept; empty = nothing).
+  std::vector<std::string> remarks() const;
+  std::string learnt() const;
+  /// Points left out of the map, ascending by their index in the survey as stored, and why.
+  std::span<const DoubtfulPoint> doubts() const { return doubts_; }
   /// Transmitters this survey knows, ascending; for resolving a session without a building id.
   std::span<const Bssid> transmitters() const { return transmitters_; }
 
@@ -31,6 +40,7 @@ class Building {
   Building() = default;
   BuildingRecord record_;
   std::shared_ptr<const Site> site_;
+  std::vector<DoubtfulPoint> doubts_;
   std::vector<Bssid> transmitters_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::shared_ptr<const TrackerFactory>> pipelines_;

@@ -29,7 +29,7 @@ const std::map<std::string, Rooms>& allowed() {
       {"server/locating", {"vocabulary"}},
       {"server/tracking", {"vocabulary"}},
       {"server/pipeline", {"vocabulary", "server/locating", "server/tracking"}},
-      {"server/buildings", {"vocabulary", "server/pipeline", "db", "wire"}},
+      {"server/buildings", {"vocabulary", "server/locating", "server/pipeline", "db", "wire"}},
       {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings"}},
       {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp"}},
       {"server/net", {"vocabulary", "wire", "server/sessions", "admin/router.hpp", "admin/http.hpp"}},
