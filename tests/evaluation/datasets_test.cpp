@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "sdk/src/recording/import/attitude_trial.hpp"
 #include "tests/evaluation/datasets/fingerprint_table.hpp"
 #include "tests/evaluation/datasets/floor_map.hpp"
+#include "tests/evaluation/datasets/levels_table.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
 #include "tests/evaluation/datasets/split.hpp"
 #include "sdk/src/recording/import/step_trial.hpp"
@@ -186,14 +188,82 @@ TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
   EXPECT_NE(bad.fault().field.find("b.csv:3"), std::string::npos);
 }
 
-TEST_F(FingerprintFile, LevelsAndPlacesGoTogetherByLine) {
-  const auto table =
-      read_levels_and_places(write("rss.csv", "-50,100\n100,-60\n-40,-41\n"), write("xyz.csv", "1,2,0\n3,4,3.7\n5,6,7.4\n"));
-  ASSERT_TRUE(table) << to_string(table.fault());
-  ASSERT_EQ(table->scans.size(), 3u);
-  EXPECT_EQ(table->scans[2].floor.value, 2);
-  EXPECT_EQ(table->scans[1].point, (BuildingPoint{3, 4}));
-  EXPECT_FALSE(read_levels_and_places((folder_ / "rss.csv").string(), write("few.csv", "1,2,0\n")));
+// Three scans over two access points: (-50, not heard), (not heard, -60), (-40, -41), on floors 0, 1 and 2 of a house.
+struct Spelt {
+  const char* name;
+  const char* levels;
+  const char* places;
+};
+class LevelsFile : public FingerprintFile, public ::testing::WithParamInterface<Spelt> {};
+INSTANTIATE_TEST_SUITE_P(
+    Spellings, LevelsFile,
+    ::testing::Values(Spelt{"Plain", "-50,100\n100,-60\n-40,-41\n", "1,2,0\n3,4,3.7\n5,6,7.4\n"},
+                      Spelt{"Plus", "-50,+100\r\n+100,-60\r\n-40,-41\r\n", "1,2,0\n3,4,1\n5,6,2\n"},
+                      Spelt{"Decimals", "-50.0,100.0\n100.0,-60.0\n-40.0,-41.0\n", "1.0,2.0,0.0\n3.0,4.0,1.0\n5.0,6.0,2.0\n"},
+                      Spelt{"Header", "WAP1,WAP2\n-50,100\n100,-60\n-40,-41\n", "\"x\",\"y\",\"floor\"\n1,2,3\n3,4,4\n5,6,5\n"},
+                      Spelt{"Turned", "-50,100,-40\n100,-60,-41\n", "1,2,0\n3,4,3.7\n5,6,7.4\n"},
+                      Spelt{"Blanks", "-50 100\n 100 -60\n-40  -41\n", "1 2 0\n3 4 3.7\n5 6 7.4\n"},
+                      Spelt{"Tabs", "-50\tnan\nNaN\t-60\n-40\t-41\n", "1\t2\t0\n3\t4\t3.7\n5\t6\t7.4\n"},
+                      Spelt{"Semicolons", "-50;\n;-60\n-40;-41\n", "1;2;0\n3;4;3.7\n5;6;7.4\n"},
+                      Spelt{"Below", "-50,-110\n-110,-60\n-40,-41\n", "1,2,0,9,9\n3,4,3.7,9,9\n5,6,7.4,9,9\n"},
+                      Spelt{"AboveMinus100", "50,0\n0,40\n60,59\n", "1,2,0\n3,4,3.7\n5,6,7.4\n"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(LevelsFile, IsReadHoweverItIsSpelt) {
+  const LevelsFiles files[] = {{write("rss.csv", GetParam().levels), write("crd.csv", GetParam().places), ""}};
+  const auto tables = read_levels(files);
+  ASSERT_TRUE(tables) << to_string(tables.fault());
+  const FingerprintTable& table = tables->at(0);
+  ASSERT_EQ(table.scans.size(), 3u);
+  EXPECT_EQ(table.access_points, 2u);
+  const std::vector<std::map<int, double>> expected = {{{0, -50}}, {{1, -60}}, {{0, -40}, {1, -41}}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::map<int, double> heard;
+    for (const auto& each : table.scans[i].heard) heard[each.access_point] = each.rss_dbm;
+    EXPECT_EQ(heard, expected[i]) << i;
+    EXPECT_EQ(table.scans[i].floor.value, static_cast<int>(i));
+    EXPECT_EQ(table.scans[i].point, (BuildingPoint{1.0 + 2.0 * static_cast<double>(i), 2.0 + 2.0 * static_cast<double>(i)}));
+  }
+}
+
+TEST_F(FingerprintFile, FloorsOfTrainingAndTestAreCountedAlike) {
+  const LevelsFiles files[] = {{write("a_rss.csv", "-50\n-60\n-70\n"), write("a_crd.csv", "0,0,0\n0,0,3.5\n0,0,7\n"), ""},
+                               {write("b_rss.csv", "-50\n-60\n"), write("b_crd.csv", "0,0,7.2\n0,0,3.5\n"), ""}};
+  const auto tables = read_levels(files);
+  ASSERT_TRUE(tables) << to_string(tables.fault());
+  EXPECT_EQ(tables->at(1).scans[0].floor.value, 2) << "0.2 m above another point of its floor";
+  EXPECT_EQ(tables->at(1).scans[1].floor.value, 1);
+}
+
+TEST_F(FingerprintFile, LevelsThatDoNotFitTheirPlacesAreRefusedByName) {
+  const auto fault = [&](const char* levels, const char* places) {
+    const LevelsFiles files[] = {{write("rss.csv", levels), write("crd.csv", places), ""}};
+    const auto tables = read_levels(files);
+    return tables ? std::string("none") : to_string(tables.fault());
+  };
+  EXPECT_NE(fault("-50,-60\n", "1,2,0\n3,4,0\n3,5,0\n").find("3 places"), std::string::npos);
+  EXPECT_NE(fault("-50,-60\n-50\n", "1,2,0\n3,4,0\n").find("rss.csv:2"), std::string::npos);
+  EXPECT_NE(fault("-50,x\n-50,y\n-50,-3\n", "1,2,0\n3,4,0\n").find("column 2"), std::string::npos);
+  EXPECT_NE(fault("", "1,2,0\n").find("no numbers"), std::string::npos);
+  EXPECT_NE(fault("-50,-500\n-50,-60\n-51,-61\n-52,-62\n-53,-63\n-54,-64\n", "1,2\n1,2\n1,2\n1,2\n1,2\n1,2\n").find("-120..0"), std::string::npos);
+}
+
+TEST_F(FingerprintFile, MonthsOfALibraryAreFoundByTheirNames) {
+  for (const char* month : {"01", "02"}) {
+    std::filesystem::create_directories(folder_ / "db" / month);
+    for (const char* name : {"trn01", "tst01", "tst02"}) {
+      write("db/" + std::string(month) + "/" + name + "rss.csv", "-50,100\n");
+      write("db/" + std::string(month) + "/" + name + "crd.csv", "1,2,3\n");
+      write("db/" + std::string(month) + "/" + name + "tms.csv", "20160601\n");
+    }
+  }
+  const auto found = find_levels((folder_ / "db").string());
+  ASSERT_TRUE(found) << to_string(found.fault());
+  ASSERT_EQ(found->training.size(), 1u) << "the first month's";
+  ASSERT_EQ(found->test.size(), 4u);
+  EXPECT_EQ(found->test[3].part, "02");
+  EXPECT_NE(found->test[3].places.find("tst02crd"), std::string::npos);
+  EXPECT_FALSE(find_levels((folder_ / "db/nowhere").string()));
 }
 
 TEST(RealData, SiteOneReadsWhole) {

@@ -6,12 +6,14 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <span>
 #include <thread>
 
 #include "server/locating/catalogue.hpp"
 #include "server/quality/metrics.hpp"
 #include "tests/evaluation/commands.hpp"
-#include "tests/evaluation/datasets/fingerprint_table.hpp"
+#include "tests/evaluation/datasets/levels_table.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/svg_chart.hpp"
 
@@ -37,39 +39,54 @@ struct FingerprintsOptions {
 struct Tables {
   FingerprintTable training;
   FingerprintTable validation;
+  std::vector<std::string> parts;  ///< of the collection, a validation scan; empty = it has none
 };
 
-Result<FingerprintTable> read_table(const FingerprintsOptions& options, const std::vector<std::string>& files) {
-  if (options.format == "uji") return read_uji(files.at(0));
-  if (files.size() != 2) return Fault{FaultCode::kMissingField, "training, validation", "levels file and places file expected"};
-  return read_levels_and_places(files[0], files[1]);
+// One table after the other.
+FingerprintTable joined(std::span<FingerprintTable> tables) {
+  FingerprintTable all{tables.front().access_points, {}};
+  for (FingerprintTable& table : tables) all.scans.insert(all.scans.end(), table.scans.begin(), table.scans.end());
+  return all;
 }
 
-// The file names each collection is published under, unless the command line names them.
-Result<Tables> read_split(FingerprintsOptions options) {
-  const fs::path root = options.data;
-  const auto defaulted = [&](std::vector<std::string>& files, std::initializer_list<const char*> names) {
-    if (files.empty())
-      for (const char* name : names) files.push_back((root / name).string());
+Result<Tables> read_uji_split(const FingerprintsOptions& options) {
+  const auto file = [&](const std::vector<std::string>& named, const char* published) {
+    return named.empty() ? (fs::path(options.data) / published).string() : named.front();
   };
-  if (options.format == "uji") {
-    defaulted(options.training, {"trainingData.csv"});
-    defaulted(options.validation, {"validationData.csv"});
-  } else {
-    defaulted(options.training, {"Training_rss_21Aug17.csv", "Training_coordinates_21Aug17.csv"});
-    defaulted(options.validation, {"Test_rss_21Aug17.csv", "Test_coordinates_21Aug17.csv"});
-  }
-  auto training = read_table(options, options.training);
+  auto training = read_uji(file(options.training, "trainingData.csv"));
   if (!training) return training.fault();
-  auto validation = read_table(options, options.validation);
+  auto validation = read_uji(file(options.validation, "validationData.csv"));
   if (!validation) return validation.fault();
   if (training->access_points != validation->access_points) {
     return Fault{FaultCode::kOutOfRange, "validation", "other access points than the training table"};
   }
-  return Tables{*std::move(training), *std::move(validation)};
+  return Tables{*std::move(training), *std::move(validation), {}};
 }
 
-// Two tables of levels and places tell floors by their heights: both must count them alike.
+// The files the command line names, else those that name themselves.
+Result<LevelsCollection> levels_files(const FingerprintsOptions& options) {
+  if (options.training.empty() && options.validation.empty()) return find_levels(options.data);
+  if (options.training.size() != 2 || options.validation.size() != 2) {
+    return Fault{FaultCode::kMissingField, "training, validation", "levels file and places file expected of both"};
+  }
+  return LevelsCollection{{{options.training[0], options.training[1], ""}}, {{options.validation[0], options.validation[1], ""}}};
+}
+
+Result<Tables> read_levels_split(const FingerprintsOptions& options) {
+  const auto files = levels_files(options);
+  if (!files) return files.fault();
+  std::vector<LevelsFiles> all = files->training;
+  all.insert(all.end(), files->test.begin(), files->test.end());
+  auto tables = read_levels(all);  // together: floors are counted alike
+  if (!tables) return tables.fault();
+  const std::size_t split = files->training.size();
+  Tables made{joined(std::span(*tables).first(split)), joined(std::span(*tables).subspan(split)), {}};
+  for (std::size_t i = 0; i < files->test.size(); ++i) {
+    made.parts.insert(made.parts.end(), (*tables)[split + i].scans.size(), files->test[i].part);
+  }
+  return made;
+}
+
 FloorOrdinal floor_of(const TabledScan& scan) {
   return {scan.building * kFloorsABuilding + scan.floor.value};
 }
@@ -100,6 +117,7 @@ struct LocatorRun {
 
 struct LocatorScore {
   std::string name;
+  std::string part;        ///< empty = the whole collection
   ErrorSummary error;
   std::size_t unanswered = 0;
   double floor_hit = 0.0;
@@ -154,12 +172,18 @@ LocatorRun locate_all(const std::string& name, const LocatorModel& model, const 
   return run;
 }
 
-LocatorScore score_run(const LocatorRun& run, const FingerprintTable& table) {
+// Of all scans, or of one part's.
+LocatorScore score_run(const LocatorRun& run, const Tables& tables, const std::string* part = nullptr) {
+  const FingerprintTable& table = tables.validation;
   LocatorScore score;
   score.name = run.name;
+  if (part) score.part = *part;
+  double all = 0.0;
   std::vector<GroupSum> errors, floors;
   std::size_t floor_hits = 0, building_hits = 0;
   for (std::size_t i = 0; i < table.scans.size(); ++i) {
+    if (part && tables.parts[i] != *part) continue;
+    ++all;
     if (!run.fixes[i]) {
       ++score.unanswered;
       floors.push_back({0.0, 1});
@@ -173,7 +197,6 @@ LocatorScore score_run(const LocatorRun& run, const FingerprintTable& table) {
     floors.push_back({hit ? 1.0 : 0.0, 1});
     building_hits += floor.value / kFloorsABuilding == table.scans[i].building;
   }
-  const double all = static_cast<double>(table.scans.size());
   score.error = summarise(score.errors);
   score.floor_hit = static_cast<double>(floor_hits) / all;  // a scan without an answer is a miss
   score.building_hit = static_cast<double>(building_hits) / all;
@@ -185,6 +208,7 @@ LocatorScore score_run(const LocatorRun& run, const FingerprintTable& table) {
 Json row_json(const LocatorScore& score, std::string_view unit, double metres) {
   Json row;
   row["locator"] = score.name;
+  if (!score.part.empty()) row["part"] = score.part;
   row["unit"] = unit;
   row["n"] = score.error.n;
   row["mean_m"] = score.error.mean * metres;
@@ -227,16 +251,20 @@ int measure_fingerprints(const FingerprintsOptions& options) {
     std::fprintf(stderr, "wayfuse-eval fingerprints: %s\n", to_string(fault).c_str());
     return 2;
   };
-  const auto tables = read_split(options);
+  const auto tables = options.format == "uji" ? read_uji_split(options) : read_levels_split(options);
   if (!tables) return complain(tables.fault());
   const std::vector<ReferencePoint> survey = survey_of(tables->training);
   const LocatingSite site{RadioMap::build(survey), survey, {}};
-  std::vector<LocatorScore> scores;
+  std::vector<LocatorScore> scores, by_part;
   for (const std::string& text : options.locators) {
     const auto locator = parse_locator(text);
     if (!locator) return complain(locator.fault());
     const auto model = locator->first->prepare(site, locator->second);
-    scores.push_back(score_run(locate_all(text, *model, tables->validation, options.threads), tables->validation));
+    const LocatorRun run = locate_all(text, *model, tables->validation, options.threads);
+    scores.push_back(score_run(run, *tables));
+    const std::set<std::string> names(tables->parts.begin(), tables->parts.end());
+    if (names.size() < 2) continue;
+    for (const std::string& part : names) by_part.push_back(score_run(run, *tables, &part));
   }
   const bool uji = options.format == "uji";
   const double true_metres = uji ? kUjiMetresPerUnit : 1.0;
@@ -251,6 +279,11 @@ int measure_fingerprints(const FingerprintsOptions& options) {
                 s.error.p75, s.error.p90, 100 * s.floor_hit);
     rows.push_back(row_json(s, uji ? "mercator" : "metre", 1.0));
     if (uji) rows.push_back(row_json(s, "metre", true_metres));
+  }
+  for (const LocatorScore& s : by_part) {
+    std::printf("%-36s %7.2f median %.2f p90 %.2f floor %.1f%%  (%s)\n", s.name.c_str(), s.error.mean, s.error.median, s.error.p90,
+                100 * s.floor_hit, s.part.c_str());
+    rows.push_back(row_json(s, "metre", 1.0));
   }
   if (!options.json.empty()) {
     std::ofstream out(options.json);
@@ -268,7 +301,7 @@ void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen) {
   CLI::App* command =
       app.add_subcommand("fingerprints", "Accuracy of the locators on single scans of a fingerprint collection");
   command->add_option("--data", options->data, "Folder of the collection")->required();
-  command->add_option("--format", options->format, "uji: one CSV with header; levels: a CSV of levels and one of x,y,z")
+  command->add_option("--format", options->format, "uji: one CSV with header; levels: tables of levels and tables of x,y,z, found by their names (rss; crd, coordinates; trn, tst)")
       ->check(CLI::IsMember({"uji", "levels"}))
       ->capture_default_str();
   command

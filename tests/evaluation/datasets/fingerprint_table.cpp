@@ -91,46 +91,4 @@ Result<FingerprintTable> read_uji(const std::string& path) {
   return table;
 }
 
-Result<FingerprintTable> read_levels_and_places(const std::string& levels_path, const std::string& places_path) {
-  auto levels = TextFile::read(levels_path);
-  if (!levels) return levels.fault();
-  auto places = TextFile::read(places_path);
-  if (!places) return places.fault();
-  FingerprintTable table;
-  std::vector<double> heights;
-  std::vector<std::string_view> fields;
-  while (const auto line = levels->next_line()) {
-    if (line->empty()) continue;
-    split(*line, ',', fields);
-    if (table.scans.empty()) table.access_points = fields.size();
-    if (fields.size() != table.access_points || fields.size() > 65535) {
-      return levels->fault(std::to_string(table.access_points) + " columns expected, " + std::to_string(fields.size()) +
-                           " found");
-    }
-    TabledScan scan;
-    const std::string cause = take_levels(fields, fields.size(), scan);
-    if (!cause.empty()) return levels->fault(cause);
-    std::optional<std::string_view> place = places->next_line();
-    while (place && place->empty()) place = places->next_line();
-    if (!place) return places->fault("fewer places than scans");
-    split(*place, ',', fields);
-    double xyz[3];
-    if (!numbers(fields, 0, xyz)) return places->fault("x,y,z expected");
-    scan.point = {xyz[0], xyz[1]};
-    heights.push_back(xyz[2]);
-    table.scans.push_back(std::move(scan));
-  }
-  std::vector<double> storeys = heights;
-  std::sort(storeys.begin(), storeys.end());
-  storeys.erase(std::unique(storeys.begin(), storeys.end(), [](double a, double b) { return std::abs(a - b) < 1.0; }),
-                storeys.end());
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    const auto nearest = std::min_element(storeys.begin(), storeys.end(), [&](double a, double b) {
-      return std::abs(a - heights[i]) < std::abs(b - heights[i]);
-    });
-    table.scans[i].floor = {static_cast<std::int32_t>(nearest - storeys.begin())};
-  }
-  return table;
-}
-
 }  // namespace wayfuse

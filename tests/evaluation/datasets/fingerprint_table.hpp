@@ -38,8 +38,4 @@ inline constexpr double kUjiMetresPerUnit = 0.7660;
 /// by name. Faults name file, line and column.
 Result<FingerprintTable> read_uji(const std::string& file);
 
-/// Tampere-like collections: one file of levels (100 = not heard), one of `x,y,z` in the same order; no headers. Floors are
-/// the distinct heights, ascending from 0.
-Result<FingerprintTable> read_levels_and_places(const std::string& levels_file, const std::string& places_file);
-
 }  // namespace wayfuse
