@@ -37,7 +37,7 @@ class Locator {
   /// Absent when the scan holds no transmitter the map knows: that is normal, not a fault.
   virtual std::optional<Fix> locate(const RssScan& scan) = 0;
 
-  /// Floor votes, descending, summing to 1; empty before the first answer.
+  /// Floor votes, descending, summing to 1; empty before the first answer. A locator that never votes speaks for its fix's floor.
   virtual std::span<const FloorProbability> floors() const { return {}; }
   /// Known and unknown transmitters in the newest scan.
   virtual int transmitters_known() const = 0;
@@ -63,6 +63,9 @@ class Locator {
   virtual double resolution_m() const { return 0.0; }
   /// Strong readings of the newest scan that nobody heard, or hardly, when surveying around `point` [SAFETY C26].
   virtual int implausible(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return 0; }
+  /// How much worse the newest scan fits around `point` than elsewhere in the building, as a distance in signal space; below 0 = it
+  /// fits here best. Absent: the locator cannot tell, or too little was heard.
+  virtual std::optional<double> misfit(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return std::nullopt; }
   /// Nobody asks about the newest scan any more: its memory may go back.
   virtual void rest() {}
 

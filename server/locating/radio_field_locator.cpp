@@ -10,6 +10,10 @@ namespace {
 constexpr double kStrongDbm = -50.0;
 constexpr double kWellHeardDbm = -80.0;
 constexpr double kAround_m = 25.0;
+constexpr int kEnoughToPlace = 8;        // radios: a scan of fewer may lie anywhere
+constexpr double kFitsSurvey = 1.8;      // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
+constexpr std::size_t kFewestToDeny = 5; // weak radios that must speak before a strong one is denied
+constexpr float kVagueDistance = 0.75f;  // Sorensen: the rest of the scan fits nothing and denies nothing
 constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
 }  // namespace
 
@@ -21,6 +25,7 @@ RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
       rows_(other.rows_),
       heard_(other.heard_),
       strong_(other.strong_),
+      misplaced_(other.misplaced_),
       sum_(other.sum_),
       norm_(other.norm_),
       exposed_(other.exposed_),
@@ -85,6 +90,7 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
 std::optional<Fix> RadioFieldLocator::locate(const RssScan& scan) {
   if (!listen(scan)) return std::nullopt;
   if (!scratch_) scratch_ = field_->borrow();
+  leave_out_misplaced();
   field_->match(heard_, sum_, norm_, *scratch_);
   exposed_.assign(field_->storeys().size(), 0);
   vote();
@@ -179,9 +185,63 @@ int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) cons
   const RadioField::Storey* on = storey(floor);
   if (!on) return 0;
   const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
-  return static_cast<int>(std::ranges::count_if(strong_, [&](const std::optional<std::uint32_t>& radio) {
+  const auto here = std::ranges::count_if(strong_, [&](const std::optional<std::uint32_t>& radio) {
     return !radio || !field_->heard_near(*radio, *on, point, kAround_m, least);
-  }));
+  });
+  const auto unknown = std::ranges::count(strong_, std::optional<std::uint32_t>{});
+  return static_cast<int>(std::max(here, unknown + misplaced_));
+}
+
+std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoint point) const {
+  if (!scratch_ || known_ < kEnoughToPlace || mismatch_ > kFitsSurvey) return std::nullopt;
+  float here = 2.0f, elsewhere = 2.0f;
+  for (const RadioField::Storey& each : field_->storeys()) {
+    for (std::uint32_t i = each.begin; i < each.end; ++i) {
+      const bool near = each.floor == floor && distance_m(field_->fingerprints()[i].place.point, point) < kAround_m;
+      float& least = near ? here : elsewhere;
+      least = std::min(least, scratch_->sorensen[i]);
+    }
+  }
+  if (here > 1.5f || elsewhere > 1.5f) return std::nullopt;  // nobody surveyed here, or nowhere else
+  return static_cast<double>(here - elsewhere);
+}
+
+// Leave-out consistency [SAFETY C26]: the scan is matched without its strong radios, and one that nobody heard well around any of
+// the best matches is no evidence. A copied address cannot pull the phone to where its owner stands.
+void RadioFieldLocator::leave_out_misplaced() {
+  misplaced_ = 0;
+  set_aside_.clear();
+  const auto strong = [&](const RadioStrength& heard) { return std::ranges::find(strong_, std::optional(heard.radio)) != strong_.end(); };
+  std::ranges::copy_if(heard_, std::back_inserter(set_aside_), strong);
+  if (set_aside_.empty() || heard_.size() - set_aside_.size() < kFewestToDeny) return;
+  std::erase_if(heard_, strong);
+  float sum = sum_, squares = norm_ * norm_;
+  for (const RadioStrength& each : set_aside_) sum -= each.strength, squares -= each.strength * each.strength;
+  field_->match(heard_, sum, std::sqrt(std::max(squares, 1e-6f)), *scratch_);
+  std::array<std::pair<float, std::uint32_t>, kFieldVoters> best;
+  best.fill({2.0f, 0});
+  for (std::uint32_t i = 0; i < field_->fingerprints().size(); ++i) {
+    if (scratch_->sorensen[i] >= best.back().first) continue;
+    best.back() = {scratch_->sorensen[i], i};
+    for (std::size_t at = best.size() - 1; at > 0 && best[at] < best[at - 1]; --at) std::swap(best[at], best[at - 1]);
+  }
+  const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
+  for (const RadioStrength& each : set_aside_) {
+    const bool belongs = best.front().first > kVagueDistance || std::ranges::any_of(best, [&](const auto& match) {
+      const Place place = field_->fingerprints()[match.second].place;
+      return match.first < 2.0f && field_->heard_near(each.radio, *storey(place.floor), place.point, kAround_m, least);
+    });
+    if (belongs) {
+      heard_.push_back(each);
+      sum += each.strength, squares += each.strength * each.strength;
+    } else {
+      ++misplaced_;
+      --known_;
+    }
+  }
+  std::ranges::sort(heard_, {}, &RadioStrength::radio);
+  sum_ = sum;
+  norm_ = std::sqrt(std::max(squares, 1e-6f));
 }
 
 // A fingerprint by its resemblance, then a step as far as its kernel reaches: what the field is made of, drawn directly.

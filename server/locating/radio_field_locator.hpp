@@ -30,10 +30,12 @@ class RadioFieldLocator final : public Locator {
   double mismatch() const override { return mismatch_; }
   double resolution_m() const override { return field_->weights().resolution_m; }
   int implausible(FloorOrdinal floor, BuildingPoint point) const override;
+  std::optional<double> misfit(FloorOrdinal floor, BuildingPoint point) const override;
   void rest() override;
 
  private:
   bool listen(const RssScan& scan);
+  void leave_out_misplaced();
   void vote();
   const RadioField::Storey* storey(FloorOrdinal floor) const;
   float node(const RadioField::Storey& storey, int column, int row) const;
@@ -49,6 +51,8 @@ class RadioFieldLocator final : public Locator {
   std::vector<Row> rows_;
   std::vector<RadioStrength> heard_;
   std::vector<std::optional<std::uint32_t>> strong_;  // radios heard from close by; absent: not on the map
+  std::vector<RadioStrength> set_aside_;           // scratch: strong ones, while the rest of the scan is asked about them
+  int misplaced_ = 0;                              // of the strong: what the rest of the scan denies
   float sum_ = 0.0f;
   float norm_ = 0.0f;
   mutable std::vector<std::uint8_t> exposed_;      // a storey, for the newest scan

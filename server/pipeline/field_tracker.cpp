@@ -20,7 +20,6 @@ constexpr double kRadius95 = 2.35;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;
 constexpr double kStrange = 2.5;               // mismatch: the scan belongs to no surveyed place
-constexpr int kImplausible = 3;              // strong radios out of place: no accident
 constexpr double kDoubtMemory = 0.6;         // of the last scans' fit and disagreement in the running mean
 constexpr double kRenewedOnNewFloor = 0.7;
 constexpr double kRenewedWhenLost = 0.5;
@@ -93,6 +92,7 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       scans_elsewhere_(other.scans_elsewhere_),
       mismatch_(other.mismatch_),
       implausible_(other.implausible_),
+      watch_(other.watch_),
       from_(other.from_) {}
 
 CompassPrior FieldTracker::compass() const {
@@ -147,6 +147,7 @@ void FieldTracker::walk(const MotionReport& motion, double dt_s, double dx_m, do
 void FieldTracker::feed(const RssScan& scan) {
   newest_ = std::max(newest_.value_or(scan.time), scan.time);
   ++heard_scans_;
+  watch_.hear(scan, odometry_.now());
   const auto fix = locator_->locate(scan);
   if (!fix) return;
   from_.transmitters_used = locator_->transmitters_known();
@@ -155,12 +156,13 @@ void FieldTracker::feed(const RssScan& scan) {
   newest_reading_ = scan.time - locator_->heard_before();
   const bool climbed = believe_floors();
   const BuildingPoint carried = minus(odometry_.now(), odometry_.at(scan.time - locator_->heard_before()));
+  const bool lost = cloud_.started() && astray(*fix, carried);
   if (!cloud_.started()) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
-  } else if (informative() || climbed) {
-    if (climbed) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
-    const bool lost = elsewhere(cloud_.weigh(*locator_, *floor_, carried));
-    cloud_.renew(lost ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
+  } else if (informative() || climbed || lost) {
+    if (climbed || lost) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
+    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried));
+    cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   take_stock(carried);
@@ -171,6 +173,21 @@ void FieldTracker::feed(const RssScan& scan) {
 void FieldTracker::take_stock(BuildingPoint carried) {
   mismatch_ = heard_scans_ == 1 ? locator_->mismatch() : kDoubtMemory * mismatch_ + (1.0 - kDoubtMemory) * locator_->mismatch();
   implausible_ = cloud_.started() ? locator_->implausible(*floor_, minus(cloud_.spread().mean, carried)) : 0;
+  watch_.count_strong(implausible_, *newest_);
+}
+
+// Before the scan is weighed: does it fit where the track is? True when scans have gone elsewhere for good: a phone that was
+// carried off is looked for where they say, on whatever floor.
+bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
+  const auto misfit = locator_->misfit(*floor_, minus(cloud_.spread().mean, carried));
+  if (!misfit) return false;
+  watch_.compare(*misfit, {plus(fix.place.point, carried), fix.place.floor}, *newest_);
+  if (!watch_.elsewhere()) return false;
+  const auto votes = locator_->floors();
+  floors_.assign(votes.begin(), votes.end());
+  floor_ = floors_.front().floor;
+  cloud_.enter(parts_->walkable.plan(*floor_));
+  return true;
 }
 
 // Scan after scan speaks for another place than the cloud's [SAFETY C16].
@@ -219,7 +236,7 @@ bool FieldTracker::believe_floors() {
 }
 
 void FieldTracker::feed(const GnssFix& fix) {
-  if (!parts_->site->georeference || !std::isfinite(fix.point.latitude_deg) || !std::isfinite(fix.point.longitude_deg) ||
+  if (!parts_->site->georeference || !(std::abs(fix.point.latitude_deg) <= 90.0) || !(std::abs(fix.point.longitude_deg) <= 360.0) ||
       !(fix.sigma_m > 0.0) || !(fix.sigma_m < 1e5)) {
     return;
   }
@@ -239,7 +256,7 @@ void FieldTracker::feed(const GnssFix& fix) {
 }
 
 Integrity FieldTracker::integrity(PhoneTime at) const {
-  if (implausible_ >= kImplausible) return Integrity::kSuspect;
+  if (watch_.suspect(at)) return Integrity::kSuspect;
   const bool stale = !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS;
   const bool foreign = from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
   return stale || foreign || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;

@@ -6,6 +6,7 @@
 
 #include "server/locating/catalogue.hpp"
 #include "server/pipeline/odometry.hpp"
+#include "server/pipeline/scan_watch.hpp"
 #include "server/pipeline/tracker.hpp"
 #include "server/pipeline/walker_cloud.hpp"
 
@@ -46,6 +47,7 @@ class FieldTracker final : public Tracker {
   bool informative();
   bool elsewhere(double agreeing);
   void take_stock(BuildingPoint carried);
+  bool astray(const Fix& fix, BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
 
   std::shared_ptr<const FieldTrackerParts> parts_;
@@ -70,6 +72,7 @@ class FieldTracker final : public Tracker {
   int scans_elsewhere_ = 0;        ///< in a row
   double mismatch_ = 1.0;          ///< smoothed over scans
   int implausible_ = 0;            ///< strong radios of the newest scan that the survey does not hear about here
+  ScanWatch watch_;
   Contributions from_;
 };
 

@@ -15,6 +15,7 @@ namespace {
 
 struct PapersOptions {
   int seeds = 30;
+  int first_seed = 1;
   std::vector<std::string> only;
   std::string json;
   std::string report;
@@ -96,7 +97,7 @@ int run(const PapersOptions& options) {
     std::vector<papers::Row> rows;
     {
       ProgressBar bar(experiment.paper, static_cast<std::size_t>(options.seeds));
-      rows = papers::judge(experiment, options.seeds, [&] { bar.advance(); });
+      rows = papers::judge(experiment, options.seeds, [&] { bar.advance(); }, options.first_seed);
     }
     print(experiment, rows);
     for (const papers::Row& row : rows) json.push_back(to_json(row));
@@ -116,6 +117,9 @@ void add_papers_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<PapersOptions>();
   CLI::App* command = app.add_subcommand("papers", "Each paper's own experiment, simulated: its table beside ours");
   command->add_option("--seeds", options->seeds, "Runs of each experiment")->check(CLI::Range(2, 1000))->capture_default_str();
+  command->add_option("--first-seed", options->first_seed, "The first of them: what is chosen on some seeds is reported on others")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->add_option("--only", options->only, "Only these papers: P1..P5")->delimiter(',');
   command->add_option("--json", options->json, "Rows as JSON");
   command->add_option("--report", options->report, "Folder for papers.md and the figures as SVG");

@@ -1,18 +1,16 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 #include "server/pipeline/pipeline_spec.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/split.hpp"
-#include "tests/evaluation/progress_bar.hpp"
+#include "tests/evaluation/walks/attack_plan.hpp"
+#include "tests/evaluation/walks/replay_all.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
 #include "tests/evaluation/walks/socket_replay.hpp"
 #include "tests/evaluation/walks/walks_report.hpp"
@@ -35,6 +33,7 @@ struct WalksOptions {
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
   std::string json;
   std::string report;
+  AttackPlan plan;
 };
 
 int complain(const Fault& fault) {
@@ -51,43 +50,48 @@ void shift_levels(std::vector<ScoredWalk>& walks, double offset_db) {
   }
 }
 
-// Every walk under every pipeline; the answers do not depend on the number of threads.
-Result<std::vector<PipelineRun>> replay_all(const WalksOptions& options, const WalkReplay& usual, const WalkReplay& direct,
-                                            const ScoredData& data) {
-  std::vector<PipelineRun> runs;
-  for (const std::string& name : options.pipelines) {
-    const WalkReplay& way = name == "dead-reckoning" ? direct : usual;
-    runs.push_back({name, std::string(way.path()), std::vector<Answers>(data.walks.size()),
-                    std::vector<std::optional<double>>(data.walks.size())});
-  }
-  const std::size_t jobs = runs.size() * data.walks.size();
-  ProgressBar progress("replaying walks", jobs);
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::optional<Fault> fault;
-  const auto work = [&] {
-    for (std::size_t job = next++; job < jobs; job = next++) {
-      PipelineRun& run = runs[job % runs.size()];
-      const std::size_t w = job / runs.size();
-      const WalkReplay& way = run.pipeline == "dead-reckoning" ? direct : usual;
-      auto reply = way.run(data.walks[w].walk, data.instants[w], run.pipeline, options.seed ^ fnv1a(data.walks[w].walk.id));
-      if (!reply) {
-        const std::lock_guard lock(mutex);
-        if (!fault) fault = reply.fault();
-        next = jobs;
-        return;
-      }
-      run.walks[w] = std::move(reply->at);
-      run.first_fix_s[w] = reply->first_fix_s;
-      progress.advance();
+using Replay = std::function<Result<std::vector<PipelineRun>>(const ScoredData&, const WalkReplay&)>;
+
+Result<void> attack(const WalksOptions& options, const std::vector<RecordedWalk>& survey, const WalkReplay& way, const ScoredData& data,
+                    const std::vector<PipelineRun>& clean, const Replay& replay, WalksOutcome& outcome) {
+  for (const PipelineRun& run : clean) outcome.alarms.push_back(count_alarms(data, run));
+  for (const AttackedWalks& attacked : attacks_of(options.plan, data, survey)) {
+    std::fprintf(stderr, "attack: %s %s %d\n", attacked.attack.c_str(), attacked.kind.c_str(), attacked.fakes);
+    const auto runs = replay({attacked.walks, attacked.instants}, way);
+    if (!runs) return runs.fault();
+    for (std::size_t r = 0; r < runs->size(); ++r) {
+      if (clean[r].pipeline != "dead-reckoning") outcome.attacks.push_back(score_attack(attacked, (*runs)[r], data, clean[r]));
     }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(work);
-  work();
-  threads.clear();
-  if (fault) return *fault;
-  return runs;
+  }
+  return {};
+}
+
+// The same walks over a map with misplaced points, with the gate before it and without; and over the clean one without the gate.
+Result<void> poison(const WalksOptions& options, const RecordedSite& site, const std::vector<RecordedWalk>& survey, const ScoredData& data,
+                    const Replay& replay, WalksOutcome& outcome) {
+  struct Case { double points, walks; bool gate; };
+  const AttackPlan& plan = options.plan;
+  for (const Case& each : {Case{0, 0, true}, Case{0, 0, false}, Case{plan.poison, plan.poison_walks, true}, Case{plan.poison, plan.poison_walks, false}}) {
+    std::fprintf(stderr, "survey with %.0f %% of its points and %.0f %% of its walks misplaced, gate %s\n", 100 * each.points, 100 * each.walks,
+                 each.gate ? "on" : "off");
+    SurveyPoison spoil(survey, each.points, each.walks, options.seed);
+    auto session = SessionReplay::create(site, survey, {std::ref(spoil), each.gate});
+    if (!session) return session.fault();
+    DirectReplay direct((*session)->site());
+    for (const std::string& name : options.pipelines) {
+      const auto prepared = options.direct || name == "dead-reckoning" ? direct.prepare(name) : (*session)->prepare(name);
+      if (!prepared) return prepared.fault();
+    }
+    const auto runs = replay(data, options.direct ? static_cast<const WalkReplay&>(direct) : **session);
+    if (!runs) return runs.fault();
+    for (const PipelineRun& run : *runs) {
+      if (run.pipeline == "dead-reckoning") continue;
+      const ScoreRow row = score(data, run, Scope::kAll, nullptr, options.seed);
+      outcome.poisons.push_back({run.pipeline, each.points, each.walks, each.gate, spoil.moved().size(), (*session)->doubts().size(),
+                                 spoil.among((*session)->doubts()), row.error.p75, row.error.p95, row.error.mean});
+    }
+  }
+  return {};
 }
 
 int measure_walks(const WalksOptions& options) {
@@ -129,7 +133,10 @@ int measure_walks(const WalksOptions& options) {
   const WalkReplay* usual = session->get();
   if (options.direct) usual = &direct;
   if (options.socket) usual = socket.get();
-  const auto runs = replay_all(options, *usual, direct, data);
+  const auto replay = [&](const ScoredData& walks, const WalkReplay& way) {
+    return replay_all({options.pipelines, options.seed, options.threads}, way, direct, walks);
+  };
+  const auto runs = replay(data, *usual);
   if (!runs) return complain(runs.fault());
 
   WalksOutcome outcome = summarise_walks(data, *runs, *site, options.seed);
@@ -139,6 +146,11 @@ int measure_walks(const WalksOptions& options) {
   outcome.rss_offset_db = options.rss_offset_db;
   outcome.survey_walks = selection->survey.size();
   outcome.survey_points = (*session)->site()->survey.size();
+  if (const auto done = attack(options, selection->survey, *usual, data, *runs, replay, outcome); !done) return complain(done.fault());
+  if (options.plan.poisons()) {
+    const auto done = poison(options, *site, selection->survey, data, replay, outcome);
+    if (!done) return complain(done.fault());
+  }
   if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
   std::printf("%s", walks_table(outcome).c_str());
   if (!options.json.empty()) {
@@ -177,6 +189,7 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
   command->add_flag("--socket", options->socket, "Through real sockets, against a wayfused started for it")
       ->excludes("--direct");
   command->add_option("--server", options->server, "The wayfused program for --socket")->capture_default_str();
+  add_attack_options(*command, options->plan);
   command->add_option("--json", options->json, "Write the figures to this file");
   command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");
   command->callback([options, &chosen] { chosen = [options] { return measure_walks(*options); }; });

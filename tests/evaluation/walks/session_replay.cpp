@@ -45,8 +45,8 @@ struct SessionReplay::House {
   BuildingId building;
 
   Result<void> create_building(const BuildingRecord& record);
-  Result<void> upload(const std::vector<RecordedWalk>& survey);
-  Result<void> make_snapshot();
+  Result<void> upload(const std::vector<RecordedWalk>& survey, const std::function<void(std::vector<SurveyBatch>&)>& spoil);
+  Result<void> make_snapshot(bool gate);
 };
 
 Result<void> SessionReplay::House::create_building(const BuildingRecord& record) {
@@ -66,7 +66,8 @@ Result<void> SessionReplay::House::create_building(const BuildingRecord& record)
   return {};
 }
 
-Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& survey) {
+Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& survey,
+                                           const std::function<void(std::vector<SurveyBatch>&)>& spoil) {
   VirtualLoop loop(PhoneTime{});
   World world(loop, shelf, *store, 1, [](BuildingId) {});
   std::optional<Fault> refused;
@@ -77,7 +78,7 @@ Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& surve
       [&] { return std::make_unique<LoopLink>(loop, world.world, all_rights(), Encoding::kCbor); }, loop.phone(), Random(1));
   client.start();
   const auto uploaded =
-      upload_survey(client, survey, refused, [&] { loop.run_until(loop.now() + std::chrono::milliseconds(100)); });
+      upload_survey(client, survey, refused, [&] { loop.run_until(loop.now() + std::chrono::milliseconds(100)); }, spoil);
   if (!uploaded) return uploaded;
   client.stop();
   loop.run_until(loop.now() + std::chrono::seconds(1));
@@ -85,8 +86,8 @@ Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& surve
   return {};
 }
 
-Result<void> SessionReplay::House::make_snapshot() {
-  BuildingKeeper keeper(*store, shelf, [](std::function<void()> task) { task(); });
+Result<void> SessionReplay::House::make_snapshot(bool gate) {
+  BuildingKeeper keeper(*store, shelf, [](std::function<void()> task) { task(); }, gate);
   keeper.refresh(building);
   keeper.settle();
   const auto failures = keeper.failures();
@@ -100,17 +101,19 @@ SessionReplay::~SessionReplay() {
 }
 
 Result<std::unique_ptr<SessionReplay>> SessionReplay::create(const RecordedSite& site,
-                                                             const std::vector<RecordedWalk>& survey) {
+                                                             const std::vector<RecordedWalk>& survey, const Survey& how) {
   std::unique_ptr<SessionReplay> replay(new SessionReplay(std::make_unique<House>()));
   if (const auto done = replay->house_->create_building(record_of(site)); !done) return done.fault();
-  if (const auto done = replay->house_->upload(survey); !done) return done.fault();
-  if (const auto done = replay->house_->make_snapshot(); !done) return done.fault();
+  if (const auto done = replay->house_->upload(survey, how.spoil); !done) return done.fault();
+  if (const auto done = replay->house_->make_snapshot(how.gate); !done) return done.fault();
   return replay;
 }
 
 std::shared_ptr<const Site> SessionReplay::site() const {
   return house_->shelf.find(house_->building)->site();
 }
+
+std::span<const DoubtfulPoint> SessionReplay::doubts() const { return house_->shelf.find(house_->building)->doubts(); }
 
 Result<void> SessionReplay::prepare(const std::string& pipeline) {
   const auto factory = house_->shelf.find(house_->building)->pipeline(pipeline);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/buildings/building_shelf.hpp"
 #include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 
@@ -13,12 +14,19 @@ namespace wayfuse {
 /// codec, session and store; walks go through motion tracker, client, codec and session. Everything on virtual clocks.
 class SessionReplay final : public WalkReplay {
  public:
+  struct Survey {
+    std::function<void(std::vector<SurveyBatch>&)> spoil;  ///< what happens to batches before they go up; empty: nothing
+    bool gate = true;                                      ///< of the server, before its radio map
+  };
   /// Uploads the survey and waits for the snapshot. Throws std::runtime_error if the store fails.
-  static Result<std::unique_ptr<SessionReplay>> create(const RecordedSite& site, const std::vector<RecordedWalk>& survey);
+  static Result<std::unique_ptr<SessionReplay>> create(const RecordedSite& site, const std::vector<RecordedWalk>& survey,
+                                                       const Survey& how = {{}, true});
   ~SessionReplay() override;
 
   /// What the server made of the survey; shared with DirectReplay.
   std::shared_ptr<const Site> site() const;
+  /// What the server's gate left out of its map.
+  std::span<const DoubtfulPoint> doubts() const;
   /// Prepares a pipeline before the threads begin: kUnknownName lists those there are.
   Result<void> prepare(const std::string& pipeline);
   std::string_view path() const override { return "session"; }

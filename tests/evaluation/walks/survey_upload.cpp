@@ -63,7 +63,7 @@ ClientSettings phone_settings(Role role, BuildingId building, std::string device
 }
 
 Result<void> upload_survey(Client& client, const std::vector<RecordedWalk>& survey, const std::optional<Fault>& refused,
-                           const std::function<void()>& work) {
+                           const std::function<void()>& work, const std::function<void(std::vector<SurveyBatch>&)>& spoil) {
   const auto settle = [&](std::size_t waiting) -> Result<void> {
     for (int turn = 0; client.uploads_waiting() > waiting; ++turn) {
       if (refused) return *refused;
@@ -75,6 +75,7 @@ Result<void> upload_survey(Client& client, const std::vector<RecordedWalk>& surv
   for (const RecordedWalk& walk : survey) {
     auto batches = batches_of(walk);
     if (!batches) return Fault{batches.fault().code, walk.id + ": " + batches.fault().field, batches.fault().cause};
+    if (spoil) spoil(*batches);
     for (SurveyBatch& batch : *batches) {
       if (const auto queued = client.upload(std::move(batch)); !queued) return queued;
       if (const auto settled = settle(kUploadsAhead); !settled) return settled;

@@ -192,6 +192,7 @@ void write_walks_report(const std::string& folder, const WalksOutcome& outcome, 
   if (!outcome.pairs.empty()) md += "\n## Walk by walk\n\nNegative: better.\n\n" + pairs_table(outcome);
   md += "\n## By time since the start, COV\n\nMean error in metres (instants).\n\n" + time_table(outcome, Scope::kCovered);
   md += "\n## By floor\n\n" + rows_table(outcome.floor_rows, true);
+  md += "\n## Alarms and attacks\n\n" + attacks_table(outcome);
   md += "\n## Tracks\n";
   for (const auto& [name, w] : telling_walks(data, runs.back())) {
     const std::string file = "walk_" + data.walks[w].walk.id + ".svg";

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/evaluation/datasets/recorded_site.hpp"
+#include "tests/evaluation/walks/attacks.hpp"
 #include "tests/evaluation/walks/walk_score.hpp"
 
 namespace wayfuse {
@@ -32,12 +33,19 @@ struct WalksOutcome {
     PairedDifference mean;
   };
   std::vector<Pair> pairs;
+  std::vector<AlarmRow> alarms;      ///< a pipeline, on honest walks
+  std::vector<AttackRow> attacks;    ///< asked for by --fakes, --replay-attack, --kidnap
+  std::vector<PoisonRow> poisons;    ///< asked for by --poison, --poison-walks
 };
 
 WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site,
                              std::uint64_t seed);
 
 std::string walks_json(const WalksOutcome& outcome);
+/// `alarms`, `attacks` and `poisons` of the JSON; empty lists are left out.
+std::string attacks_json(const WalksOutcome& outcome);
+/// The same for a terminal and, as Markdown, for the report.
+std::string attacks_table(const WalksOutcome& outcome);
 /// The table people read on a terminal.
 std::string walks_table(const WalksOutcome& outcome);
 /// report.md, walks.csv and the pictures, into a folder that is made if need be. Throws std::runtime_error if it cannot be

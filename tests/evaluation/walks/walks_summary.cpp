@@ -112,6 +112,7 @@ std::string walks_json(const WalksOutcome& outcome) {
     entry["share_of_walks_better"] = figure(pair.mean.share_better);
     json["paired"].push_back(std::move(entry));
   }
+  json.update(Json::parse(attacks_json(outcome)));
   return json.dump(1) + "\n";
 }
 
@@ -130,7 +131,7 @@ std::string walks_table(const WalksOutcome& outcome) {
                   row.radius_rank_corr.value_or(std::nan("")));
     table += line;
   }
-  return table;
+  return table + "\n" + attacks_table(outcome);
 }
 
 }  // namespace wayfuse

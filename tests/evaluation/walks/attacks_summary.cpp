@@ -1,0 +1,83 @@
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluation/walks/walks_report.hpp"
+
+namespace wayfuse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json figure(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * 1e4) / 1e4;
+}
+
+template <typename... Values>
+std::string line(const char* format, Values... values) {
+  char text[320];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+double per_hour(const AlarmRow& row) { return row.hours > 0.0 ? static_cast<double>(row.alarms) / row.hours : 0.0; }
+
+}  // namespace
+
+std::string attacks_json(const WalksOutcome& outcome) {
+  Json json = Json::object();
+  for (const AlarmRow& row : outcome.alarms) {
+    json["alarms"].push_back({{"pipeline", row.pipeline}, {"hours_walked", figure(row.hours)}, {"false_alarms", row.alarms},
+                              {"false_alarms_per_hour", figure(per_hour(row))}, {"suspect_share", figure(row.suspect)},
+                              {"degraded_share", figure(row.degraded)}});
+  }
+  for (const AttackRow& row : outcome.attacks) {
+    Json entry = {{"pipeline", row.pipeline}, {"attack", row.attack}, {"kind", row.kind}, {"walks", row.walks}, {"n", row.instants},
+                  {"flagged_5s", figure(row.flagged)}, {"p75_m", figure(row.p75_m)}, {"p95_m", figure(row.p95_m)},
+                  {"clean_p75_m", figure(row.clean_p75_m)}, {"clean_p95_m", figure(row.clean_p95_m)},
+                  {"p95_ratio", figure(row.p95_m / row.clean_p95_m)}};
+    if (row.attack == "fakes") entry["fakes"] = row.fakes;
+    if (row.attack == "kidnap") {
+      entry["p95_15s_m"] = figure(row.p95_15s_m);
+      entry["clean_p95_15s_m"] = figure(row.clean_p95_15s_m);
+      entry["within_10m_15s"] = figure(row.within10_15s);
+    }
+    json["attacks"].push_back(std::move(entry));
+  }
+  for (const PoisonRow& row : outcome.poisons) {
+    json["poisons"].push_back({{"pipeline", row.pipeline}, {"points", row.points}, {"walks", row.walks}, {"gate", row.gate},
+                               {"misplaced", row.misplaced}, {"doubted", row.doubted}, {"doubted_rightly", row.doubted_rightly},
+                               {"mean_m", figure(row.mean_m)}, {"p75_m", figure(row.p75_m)}, {"p95_m", figure(row.p95_m)}});
+  }
+  return json.dump();
+}
+
+std::string attacks_table(const WalksOutcome& outcome) {
+  std::string table = "| honest walks | hours | false alarms | an hour | suspect % | degraded % |\n| --- | ---: | ---: | ---: | ---: | ---: |\n";
+  for (const AlarmRow& row : outcome.alarms) {
+    table += line("| %s | %.2f | %zu | %.1f | %.1f | %.1f |\n", row.pipeline.c_str(), row.hours, row.alarms, per_hour(row), 100 * row.suspect,
+                  100 * row.degraded);
+  }
+  if (!outcome.attacks.empty()) {
+    table += "\n| attacked | attack | walks | flagged in 5 s % | p75 clean | p75 | p95 clean | p95 | ratio | at 15 s: p95 unknown start | p95 | < 10 m % |\n"
+             "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+  }
+  for (const AttackRow& row : outcome.attacks) {
+    const std::string attack = row.attack + " " + row.kind + (row.fakes > 0 ? " " + std::to_string(row.fakes) : "");
+    table += line("| %s | %s | %zu | %.1f | %.2f | %.2f | %.2f | %.2f | %.2f |", row.pipeline.c_str(), attack.c_str(), row.walks, 100 * row.flagged,
+                  row.clean_p75_m, row.p75_m, row.clean_p95_m, row.p95_m, row.p95_m / row.clean_p95_m);
+    table += row.attack == "kidnap" ? line(" %.2f | %.2f | %.1f |\n", row.clean_p95_15s_m, row.p95_15s_m, 100 * row.within10_15s) : " – | – | – |\n";
+  }
+  if (!outcome.poisons.empty()) {
+    table += "\n| survey | points, walks misplaced % | gate | misplaced | left out | rightly | mean | p75 | p95 |\n"
+             "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+  }
+  for (const PoisonRow& row : outcome.poisons) {
+    table += line("| %s | %.0f, %.0f | %s | %zu | %zu | %zu | %.2f | %.2f | %.2f |\n", row.pipeline.c_str(), 100 * row.points, 100 * row.walks,
+                  row.gate ? "on" : "off", row.misplaced, row.doubted, row.doubted_rightly, row.mean_m, row.p75_m, row.p95_m);
+  }
+  return table;
+}
+
+}  // namespace wayfuse
