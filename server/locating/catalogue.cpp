@@ -45,7 +45,7 @@ std::shared_ptr<const LocatorModel> probabilistic(const LocatingSite& site, cons
 }
 
 std::shared_ptr<const LocatorModel> trilateration(const LocatingSite& site, const PartSettings& s) {
-  return std::make_shared<Trilateration>(site.map, TrilaterationSettings{s.count("strongest"), s["threshold"], s.on("online")});
+  return std::make_shared<Trilateration>(site.map, TrilaterationSettings{s.count("strongest"), s["threshold"], s.on("online"), s["beyond_m"]});
 }
 
 std::shared_ptr<const LocatorModel> propagation(const LocatingSite& site, const PartSettings& s) {
@@ -89,7 +89,9 @@ std::span<const LocatorRow> locator_catalogue() {
       LocatorRow{{"locator", "trilateration", "distances by path loss, linear least squares, exponents learnt online [P3]",
                   {kStrongest,
                    {"threshold", 0.05, 0, 5, "T: an exponent off by more is replaced; smaller follows noise", "[P3 algorithm 2]"},
-                   {"online", 1, 0, 1, "0: the survey's exponents stay", "[P3 algorithm 2]", true}}},
+                   {"online", 1, 0, 1, "0: the survey's exponents stay", "[P3 algorithm 2]", true},
+                   {"beyond_m", TrilaterationSettings{}.beyond_m, 0, 100000,
+                    "a solution farther outside the surveyed box is no fix; larger believes wilder ones", "-"}}},
                  trilateration, true, true},
       LocatorRow{{"locator", "propagation", "fingerprints computed from path-loss laws (RADAR's model method)",
                   {{"cell_m", 1, 0.25, 10, "of the modelled map; smaller is slower", "[P1]"},

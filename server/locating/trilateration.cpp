@@ -12,7 +12,13 @@ constexpr double kVoteDb = 6.0;          // how much louder a transmitter must b
 }  // namespace
 
 Trilateration::Trilateration(std::shared_ptr<const RadioMap> map, const TrilaterationSettings& settings)
-    : map_(std::move(map)), settings_(settings), laws_(fit_path_loss(*map_)) {}
+    : map_(std::move(map)), settings_(settings), laws_(fit_path_loss(*map_)) {
+  for (const MapPoint& point : map_->points()) {
+    const BuildingPoint at = point.place.point;
+    Box& box = surveyed_.try_emplace(point.place.floor, Box{at.x_m, at.y_m, at.x_m, at.y_m}).first->second;
+    box = {std::min(box.least_x_m, at.x_m), std::min(box.least_y_m, at.y_m), std::max(box.most_x_m, at.x_m), std::max(box.most_y_m, at.y_m)};
+  }
+}
 
 std::unique_ptr<Locator> Trilateration::make() const { return std::make_unique<TrilaterationLocator>(*this); }
 
@@ -30,7 +36,7 @@ std::optional<Fix> TrilaterationLocator::locate(const RssScan& scan) {
   const FloorOrdinal floor = floors_.front().floor;
   measure(scan, floor);
   const auto point = solve();
-  if (!point) return std::nullopt;
+  if (!point || !within_reach(*point, floor)) return std::nullopt;
   double squared_m2 = 0.0;
   for (const TransmitterRange& range : ranges_) {
     const double error_m = distance_m(*point, range.transmitter) - range.distance_m;
@@ -38,6 +44,16 @@ std::optional<Fix> TrilaterationLocator::locate(const RssScan& scan) {
   }
   const double sigma_m = std::max(1.0, std::sqrt(squared_m2 / static_cast<double>(ranges_.size())));
   return Fix{{*point, floor}, sigma_m, known_};
+}
+
+// Least squares throws a point kilometres away where levels contradict each other; nobody is there.
+bool TrilaterationLocator::within_reach(BuildingPoint point, FloorOrdinal floor) const {
+  const auto box = model_.surveyed().find(floor);
+  if (box == model_.surveyed().end()) return false;
+  const auto& [least_x_m, least_y_m, most_x_m, most_y_m] = box->second;
+  const double beyond_m = model_.settings().beyond_m;
+  return point.x_m >= least_x_m - beyond_m && point.x_m <= most_x_m + beyond_m && point.y_m >= least_y_m - beyond_m &&
+         point.y_m <= most_y_m + beyond_m;
 }
 
 void TrilaterationLocator::vote() {

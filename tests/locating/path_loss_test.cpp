@@ -70,6 +70,17 @@ TEST(Trilateration, HasNoFixFromTwoOrFromALine) {
   EXPECT_TRUE(std::isfinite(fix.place.point.x_m) && std::isfinite(fix.place.point.y_m));
 }
 
+// Levels that contradict each other: every transmitter as loud as from 1 km away but one. The circles meet nowhere near.
+TEST(Trilateration, RefusesASolutionFarOutsideWhatWasSurveyed) {
+  const auto map = RadioMap::build(hall().survey());
+  RssScan scan = hall().scan_at({12, 8});
+  for (std::size_t i = 1; i < scan.readings.size(); ++i) scan.readings[i].rss_dbm = -115.0 - static_cast<double>(i);
+  const auto believed = Trilateration(map, {.beyond_m = 100000.0}).make()->locate(scan);
+  ASSERT_TRUE(believed);
+  EXPECT_GT(std::hypot(believed->place.point.x_m, believed->place.point.y_m), 200.0);
+  EXPECT_FALSE(Trilateration(map, {.beyond_m = 50.0}).make()->locate(scan));
+}
+
 // [P3 algorithm 2]: the exponents follow the world once the fused position is right, and stay when they are right within T.
 TEST(Trilateration, LearnsAnExponentThatChanged) {
   const Trilateration model(RadioMap::build(hall().survey()), {});
