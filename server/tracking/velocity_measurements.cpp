@@ -56,4 +56,33 @@ void DirectionMeasurement::jacobian(const State& state, std::span<double> out) c
   out[3] = state.vx_mps / squared;
 }
 
+ResolvedVelocityMeasurement::ResolvedVelocityMeasurement(double speed_mps, double speed_sigma_mps, double heading_rad, double heading_sigma_rad)
+    : speed_mps_(speed_mps),
+      cos_(std::cos(heading_rad)),
+      sin_(std::sin(heading_rad)),
+      along_sigma_mps_(speed_sigma_mps),
+      across_sigma_mps_(std::max(speed_mps, kLeastSpeedMps) * heading_sigma_rad) {}
+
+void ResolvedVelocityMeasurement::weigh(const ParticleCloud& cloud, std::span<float> log_weight) const {
+  const auto vx_mps = cloud.vx_mps(), vy_mps = cloud.vy_mps();
+  const auto z = static_cast<float>(speed_mps_), c = static_cast<float>(cos_), s = static_cast<float>(sin_);
+  const auto along_scale = static_cast<float>(-0.5 / (along_sigma_mps_ * along_sigma_mps_));
+  const auto across_scale = static_cast<float>(-0.5 / (across_sigma_mps_ * across_sigma_mps_));
+  for (std::size_t i = 0; i < vx_mps.size(); ++i) {
+    const float along = z - (c * vx_mps[i] + s * vy_mps[i]), across = s * vx_mps[i] - c * vy_mps[i];
+    log_weight[i] += along_scale * along * along + across_scale * across * across;
+  }
+}
+
+void ResolvedVelocityMeasurement::residual(const State& state, std::span<double> out) const {
+  out[0] = speed_mps_ - (cos_ * state.vx_mps + sin_ * state.vy_mps);
+  out[1] = sin_ * state.vx_mps - cos_ * state.vy_mps;
+}
+
+void ResolvedVelocityMeasurement::jacobian(const State&, std::span<double> out) const {
+  out[0] = out[1] = out[4] = out[5] = 0.0;
+  out[2] = cos_, out[3] = sin_;
+  out[6] = -sin_, out[7] = cos_;
+}
+
 }  // namespace wayfuse

@@ -38,4 +38,25 @@ class DirectionMeasurement final : public MeasurementModel {
   double sigma_rad_;
 };
 
+/// Speed resolved by the azimuth into two velocities, along the heading and across it: linear in the state, z = (v, 0)
+/// [P5 eq. 4]. A heading error e shortens what v contributes along the true way by 1 - cos e, always the same way: with noisy
+/// headings a filter that measures this walks too slowly, by exp(-sigma^2 / 2) in the mean; measuring speed and direction
+/// apart does not.
+class ResolvedVelocityMeasurement final : public MeasurementModel {
+ public:
+  ResolvedVelocityMeasurement(double speed_mps, double speed_sigma_mps, double heading_rad, double heading_sigma_rad);
+  void weigh(const ParticleCloud& cloud, std::span<float> log_weight) const override;
+  int dimension() const override { return 2; }
+  void residual(const State& state, std::span<double> out) const override;
+  void jacobian(const State& state, std::span<double> out) const override;
+  void variance(std::span<double> out) const override { out[0] = along_sigma_mps_ * along_sigma_mps_, out[1] = across_sigma_mps_ * across_sigma_mps_; }
+
+ private:
+  double speed_mps_;
+  double cos_;
+  double sin_;
+  double along_sigma_mps_;
+  double across_sigma_mps_;
+};
+
 }  // namespace wayfuse

@@ -24,9 +24,9 @@ const std::vector<Experiment>& experiments() {
   return all;
 }
 
-std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed) {
+std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed, int first_seed) {
   std::vector<std::vector<double>> values(experiment.claims.size());
-  for (int seed = 1; seed <= seeds; ++seed) {
+  for (int seed = first_seed; seed < first_seed + seeds; ++seed) {
     for (const Outcome& outcome : experiment.run(static_cast<std::uint64_t>(seed))) {
       const auto claim = std::ranges::find_if(experiment.claims, [&](const Claim& each) { return same(outcome, each); });
       assert(claim != experiment.claims.end());

@@ -61,8 +61,8 @@ struct Row {
   int seeds = 0;
   bool holds = false;              ///< the mean reaches the paper's figure; always true for what does not bind
 };
-/// Runs seeds 1..seeds. An outcome without a claim, or a claim without outcomes, is a bug of the experiment and asserted.
-std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed = {});
+/// Runs seeds first_seed, first_seed + 1, ..; 1..seeds are the ones reported, what an experiment leaves open was chosen on others. An outcome without a claim, or a claim without outcomes, is a bug of the experiment and asserted.
+std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed = {}, int first_seed = 1);
 
 // --- what the experiments share ---------------------------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ struct Run {
 
 Run walk(std::uint64_t seed) {
   Random random(seed);
-  RadioWorld world({.level_at_1m_dbm = -40, .exponent = 2.4, .shadow_db = 4.0, .shadow_length_m = 3.0, .fade_db = 6.0,
+  RadioWorld world({.level_at_1m_dbm = -40, .exponent = 2.4, .shadow_db = 5.0, .shadow_length_m = 3.0, .fade_db = 8.0,
                     .deaf_below_dbm = -92, .rounding_db = 1.0},
                    kTransmitters, {}, random);
   auto site = std::make_shared<Site>();
@@ -112,10 +112,10 @@ Experiment p2_experiment() {
   const std::string at = "12 check points";
   return {"P2",
           "Location fingerprint plus pedestrian track",
-          "Library floor of 50 x 35 m, 6 access points, exponent 2.4, shadowing 4 dB over 3 m and fading 6 dB (shelves, readers, "
-          "another phone than the survey's), reference points every 5 m with 3 scans; a scan every 1.65 s; compass wrong by 14 degrees "
-          "to either side and wandering, stride off by 6 %. How the paper combines is not printed: taken is a Kalman filter that steps with "
-          "the track and is corrected by the fix. PDR alone starts at the true place, the combination at its first fix.",
+          "Library floor of 50 x 35 m, 6 access points, exponent 2.4, shadowing 5 dB over 3 m and fading 8 dB (shelves, readers, "
+          "another phone than the survey's: as much as makes the fingerprint err as in the paper), reference points every 5 m with 3 scans; a scan every 1.65 s; compass wrong by 14 degrees "
+          "to either side and wandering, stride off by 6 %. How the paper combines is not printed: taken are particles, each with a compass error and a "
+          "stride of its own, that step with the track and are weighed by the fix. PDR alone starts at the true place, the combination at its first fix.",
           {{at, "combined", "mean error", "m", 6.74},
            {at, "combined", "max error", "m", {}, false},
            {at, "combined", "mean against fingerprint", "ratio", 6.74 / 11.38},

@@ -14,6 +14,11 @@ constexpr double kCanyonS = 20.0;
 constexpr double kSpeedMps = 1.31;
 constexpr double kAzimuthDeg = 91.2;
 constexpr double kRadians = std::numbers::pi / 180.0;
+// A magnetometer carried past parked cars and reinforced walls: the noise of one sample, and what stays wrong all along.
+constexpr double kAzimuthNoiseRad = 27.0 * kRadians;
+constexpr double kAzimuthBiasRad = 1.5 * kRadians;
+constexpr double kSpeedNoiseMps = 0.2;
+constexpr double kSpeedBiasMps = 0.03;
 
 struct Run {
   std::map<std::string, Track> tracks;       // from the canyon on
@@ -29,13 +34,17 @@ Run walk(std::uint64_t seed) {
   std::map<std::string, std::shared_ptr<const TrackerFactory>> factories = {{"PF", pipeline("p5", site, street)},
                                                                             {"EKF", pipeline("p5-ekf", site, street)},
                                                                             {"UKF", pipeline("p5-ukf", site, street)}};
+  auto apart = street;
+  apart["speed"] = {"speed", {}};
+  apart["azimuth"] = {"direction", {}};
+  factories["EKF, speed and azimuth apart"] = pipeline("p5-ekf", site, apart);
   factories["GNSS"] = pipeline("p5", site, {{"gnss", {"fix", {}}}, {"motion", {"still", {}}}, {"speed", {"none", {}}},
                                             {"azimuth", {"none", {}}}, {"filter", {"newest-fix", {}}}, {"recovery", {"none", {}}}});
   std::map<std::string, std::unique_ptr<Tracker>> trackers;
   for (const auto& [system, factory] : factories) trackers[system] = factory->make_tracker(Random(seed));
 
   // Inertial speed and compass err by a constant and by noise; satellites are clean in the open and reflected in the canyon.
-  const double speed_bias_mps = 0.03 * random.normal(), azimuth_bias_rad = 2.0 * kRadians * random.normal();
+  const double speed_bias_mps = kSpeedBiasMps * random.normal(), azimuth_bias_rad = kAzimuthBiasRad * random.normal();
   const double along_rad = std::numbers::pi / 2 - kAzimuthDeg * kRadians;
   BuildingPoint reflected{6.0 * random.normal(), (random.uniform() < 0.5 ? -1.0 : 1.0) * (11.0 + 2.0 * random.normal())};
   Run run;
@@ -47,10 +56,10 @@ Run walk(std::uint64_t seed) {
     motion.time = at_s(time_s);
     motion.interval = from_seconds(kSampleS);
     motion.reference = HeadingReference::kTrue;
-    motion.heading = Heading::from_radians(along_rad + azimuth_bias_rad + 8.0 * kRadians * random.normal());
-    motion.heading_sigma_rad = 8.0 * kRadians;
-    motion.speed_mps = std::max(0.0, kSpeedMps + speed_bias_mps + 0.2 * random.normal());
-    motion.distance_sigma_m = 0.2 * kSampleS;
+    motion.heading = Heading::from_radians(along_rad + azimuth_bias_rad + kAzimuthNoiseRad * random.normal());
+    motion.heading_sigma_rad = kAzimuthNoiseRad;
+    motion.speed_mps = std::max(0.0, kSpeedMps + speed_bias_mps + kSpeedNoiseMps * random.normal());
+    motion.distance_sigma_m = kSpeedNoiseMps * kSampleS;
     for (auto& [_, tracker] : trackers) tracker->feed(motion);
     if (i % 10 == 0) {
       const bool canyon = time_s > kCanyonS;
@@ -105,14 +114,18 @@ Experiment p5_experiment() {
   return {"P5",
           "INS/magnetometer fusion by a particle filter in an urban canyon",
           "Street, times, rates, speed and azimuth as printed. Open: GNSS errs by 3 m an axis before the canyon and by a wandering "
-          "reflection of about 11 m across plus 4 m in it; inertial speed errs by 0.05 m/s constantly and 0.2 m/s a sample, the azimuth "
-          "by 3 degrees constantly and 8 a sample. The start is what the GNSS of the first 20 s makes of it.",
+          "reflection of about 11 m across plus 4 m in it; inertial speed errs by 0.03 m/s constantly and 0.2 m/s a sample, the azimuth "
+          "by 1.5 degrees constantly and 27 a sample (steel all along the street). The start is what the GNSS of the first 20 s makes of it. "
+          "The Kalman filters measure what eq. 4 resolves, speed times cosine and sine of the azimuth, which is linear: extended and unscented then "
+          "agree, as they do in the paper (4.84 and 4.82 m), and both walk too slowly, by exp(-sigma^2/2) of the azimuth's noise. The particles are "
+          "weighed by speed and azimuth as observed (eq. 2). Shown beside: an EKF that measures those two apart; it loses nothing.",
           {{"canyon", "PF", "mean error", "m", 3.19},
            {"canyon", "PF", "mean against GNSS", "ratio", 3.19 / 13.81},
            {"canyon", "PF", "mean against EKF", "ratio", 3.19 / 4.84},
            {"canyon", "PF", "mean against UKF", "ratio", 3.19 / 4.82},
            {"canyon", "EKF", "mean error", "m", 4.84},
            {"canyon", "UKF", "mean error", "m", 4.82},
+           {"canyon", "EKF, speed and azimuth apart", "mean error", "m", {}, false},
            {"canyon", "GNSS", "mean error", "m", 13.81, false}},
           run, draw};
 }

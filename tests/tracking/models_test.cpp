@@ -88,6 +88,7 @@ std::vector<std::unique_ptr<MeasurementModel>> measurements() {
   all.push_back(std::make_unique<FixMeasurement>(1.0, 2.0, 1.5));
   all.push_back(std::make_unique<SpeedMeasurement>(1.3, 0.2));
   all.push_back(std::make_unique<DirectionMeasurement>(3.0, 0.2));
+  all.push_back(std::make_unique<ResolvedVelocityMeasurement>(1.3, 0.2, 3.0, 0.4));
   auto ranges = std::make_unique<RangeMeasurement>();
   ranges->add({10.0, 0.0, 8.0, 1.0});
   ranges->add({-3.0, 7.0, 11.0, 2.0});
