@@ -105,6 +105,11 @@ Result<void> fits(const Assembly& spec) {
   if (measurement.part == "field" && !filter.particles) {
     return clash("parts.measurement", "`field` has no Gaussian form: it needs the filter `particle`");
   }
+  const bool bent = measurement.part == "ranges" || spec.chosen("speed").part == "speed" || spec.chosen("azimuth").part == "direction";
+  if (filter.linear_only && bent) {
+    return clash("parts.filter", "`" + filter.description.name +
+                                     "` takes linear measurements only, and ranges, speed and direction are none: `extended-kalman` or `unscented-kalman`");
+  }
   const auto model = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
   if (model->uses_heading() && spec.chosen("azimuth").part != "none") {
     return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's heading: it would count twice");
@@ -112,6 +117,12 @@ Result<void> fits(const Assembly& spec) {
   if (model->columns() == 0 && (spec.chosen("speed").part != "none" || spec.chosen("azimuth").part != "none") &&
       !model->uses_heading() && !model->uses_distance()) {
     return clash("parts.motion", "`" + motion.part + "` has no velocity that speed or azimuth could measure");
+  }
+  if (spec.chosen("azimuth").part == "resolved" && spec.chosen("speed").part != "none") {
+    return clash("parts.speed", "the azimuth `resolved` already measures the phone's speed: it would count twice");
+  }
+  if (spec.chosen("azimuth").part == "resolved" && model->uses_distance()) {
+    return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's speed: it would count twice");
   }
   if (model->uses_distance() && spec.chosen("speed").part != "none") {
     return clash("parts.speed", "the motion `" + motion.part + "` is already moved by the phone's speed: it would count twice");
@@ -157,6 +168,10 @@ void choose_measurements(const Assembly& spec, PipelineParts& parts) {
   if (const Chosen speed = spec.chosen("speed"); speed.part == "speed") parts.speed = {true, speed.settings["sigma_mps"]};
   if (const Chosen azimuth = spec.chosen("azimuth"); azimuth.part == "direction") {
     parts.azimuth = {true, azimuth.settings["sigma_rad"]};
+  } else if (azimuth.part == "resolved") {
+    parts.azimuth = {true, azimuth.settings["sigma_rad"]};
+    parts.speed = {true, azimuth.settings["sigma_mps"]};
+    parts.resolved = true;
   }
 }
 

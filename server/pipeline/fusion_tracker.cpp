@@ -164,25 +164,27 @@ void FusionTracker::feed(const RssScan& scan) {
   if (!locator_ || !fresh) return;
   ++heard_scans_;
   auto fix = locator_->locate(kept_);
-  if (!fix) return;
+  if (!fix || !std::isfinite(fix->place.point.x_m) || !std::isfinite(fix->place.point.y_m)) return;
   from_.transmitters_used = locator_->transmitters_known();
   from_.transmitters_unknown = locator_->transmitters_unknown();
   from_.steps_since_scan = 0;
   newest_reading_ = fresh->newest;
-  floor_.update(locator_->floors());
+  const FloorProbability own{fix->place.floor, 1.0};  // of a locator that does not vote
+  floor_.update(locator_->floors().empty() ? std::span(&own, 1) : locator_->floors());
   apply(*fix, minus(odometry_.now(), odometry_.at(fresh->heard)));
 }
 
 void FusionTracker::measure_velocity(const MotionReport& motion, const Motion& moved) {
-  if (parts_->speed.on) {
-    const double stated_mps = moved.distance_sigma_m / moved.dt_s;
-    const double sigma_mps = parts_->speed.sigma > 0.0 ? parts_->speed.sigma : std::max(stated_mps, kLeastSpeedSigmaMps);
-    filter_->update(SpeedMeasurement(moved.distance_m / moved.dt_s, sigma_mps), random_);
+  const double speed_mps = moved.distance_m / moved.dt_s, stated_mps = moved.distance_sigma_m / moved.dt_s;
+  const double sigma_mps = parts_->speed.sigma > 0.0 ? parts_->speed.sigma : std::max(stated_mps, kLeastSpeedSigmaMps);
+  const double sigma_rad = parts_->azimuth.sigma > 0.0 ? parts_->azimuth.sigma : std::max(moved.heading_sigma_rad, kLeastHeadingSigmaRad);
+  const bool directed = parts_->azimuth.on && !motion.at_rest && motion.reference != HeadingReference::kArbitrary;
+  if (directed && parts_->resolved) {
+    filter_->update(ResolvedVelocityMeasurement(speed_mps, sigma_mps, moved.heading_rad, sigma_rad), random_);
+    return;
   }
-  if (parts_->azimuth.on && !motion.at_rest && motion.reference != HeadingReference::kArbitrary) {
-    const double sigma_rad = parts_->azimuth.sigma > 0.0 ? parts_->azimuth.sigma : std::max(moved.heading_sigma_rad, kLeastHeadingSigmaRad);
-    filter_->update(DirectionMeasurement(moved.heading_rad, sigma_rad), random_);
-  }
+  if (parts_->speed.on) filter_->update(SpeedMeasurement(speed_mps, sigma_mps), random_);
+  if (directed) filter_->update(DirectionMeasurement(moved.heading_rad, sigma_rad), random_);
 }
 
 // `carried`: what dead reckoning covered since the readings were heard.
@@ -279,8 +281,9 @@ void FusionTracker::align_heading() {
 }
 
 void FusionTracker::feed(const GnssFix& fix) {
-  if (parts_->gnss == GnssUse::kNone || !parts_->site->georeference || !std::isfinite(fix.point.latitude_deg) ||
-      !std::isfinite(fix.point.longitude_deg) || !(fix.sigma_m > 0.0) || !(fix.sigma_m < 1e5)) {
+  // Beyond the poles a finite number may lie, and a metre count that no float holds.
+  if (parts_->gnss == GnssUse::kNone || !parts_->site->georeference || !(std::abs(fix.point.latitude_deg) <= 90.0) ||
+      !(std::abs(fix.point.longitude_deg) <= 360.0) || !(fix.sigma_m > 0.0) || !(fix.sigma_m < 1e5)) {
     return;
   }
   newest_ = std::max(newest_.value_or(fix.time), fix.time);
@@ -297,7 +300,9 @@ void FusionTracker::feed(const GnssFix& fix) {
 }
 
 void FusionTracker::guard_against_nan() {
-  if (finite(filter_->estimate().mean)) return;
+  const GaussianState state = filter_->estimate();
+  // Nonsense may also cost a Kalman filter its positive variances: there is no going on from that either.
+  if (finite(state.mean) && state.covariance[0] >= 0.0 && state.covariance[5] >= 0.0) return;
   filter_ = parts_->make_filter();  // begins again with the next fix
   anchor_.reset();
 }

@@ -52,6 +52,7 @@ struct PipelineParts {
   double gnss_start_s = 20.0;                    ///< kStart: fixes count for so long, then never again
   VelocityUse speed;
   VelocityUse azimuth;
+  bool resolved = false;                         ///< azimuth and speed as one velocity in two parts [P5 eq. 4]
   bool track_heading = false;                    ///< [P1 eq. 17], otherwise as reported
   HeadingFilterSettings heading;
   RecoverySettings recovery;

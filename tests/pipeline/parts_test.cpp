@@ -1,11 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/locating/catalogue.hpp"
 #include "server/pipeline/corrector.hpp"
+#include "server/pipeline/fusion_tracker.hpp"
 #include "server/pipeline/tracker.hpp"
+#include "server/tracking/catalogue.hpp"
 #include "tests/locating/plan.hpp"
 
 namespace wayfuse {
@@ -98,6 +101,41 @@ TEST(Parts, TheSameInformationTwiceIsRefused) {
   const auto speed = fault({{"locator", {"wknn", {}}}, {"motion", {"steps", {}}}, {"speed", {"speed", {}}}});
   EXPECT_EQ(speed.field, "parts.speed");
   EXPECT_EQ(fault({{"locator", {"wknn", {}}}, {"motion", {"still", {}}}, {"speed", {"speed", {}}}}).field, "parts.motion");
+  const auto bent = fault({{"locator", {"wknn", {}}}, {"motion", {"street", {}}}, {"speed", {"speed", {}}}, {"filter", {"kalman", {}}}});
+  EXPECT_EQ(bent.field, "parts.filter");
+  EXPECT_THAT(bent.cause, HasSubstr("linear"));
+  const auto resolved = fault({{"locator", {"wknn", {}}}, {"motion", {"street", {}}}, {"speed", {"speed", {}}}, {"azimuth", {"resolved", {}}}});
+  EXPECT_EQ(resolved.field, "parts.speed");
+  EXPECT_THAT(resolved.cause, HasSubstr("twice"));
+}
+
+// What a stranger writes first: a fix and no more.
+class BareLocator final : public Locator {
+ public:
+  std::unique_ptr<Locator> clone() const override { return std::make_unique<BareLocator>(*this); }
+  std::optional<Fix> locate(const RssScan&) override { return Fix{{{7.0, 3.0}, FloorOrdinal{2}}, 1.0, 4}; }
+  int transmitters_known() const override { return 4; }
+  int transmitters_unknown() const override { return 0; }
+};
+class BareModel final : public LocatorModel {
+ public:
+  std::unique_ptr<Locator> make() const override { return std::make_unique<BareLocator>(); }
+};
+
+TEST(Parts, ALocatorThatVotesForNoFloorSpeaksForItsFixes) {
+  auto parts = std::make_shared<PipelineParts>();
+  parts->site = hall_site();
+  parts->map = RadioMap::build(parts->site->survey);
+  parts->locator = std::make_shared<BareModel>();
+  const MotionModelRow& still = *std::ranges::find_if(motion_model_catalogue(), [](const auto& row) { return row.description.name == "still"; });
+  const FilterRow& kalman = *std::ranges::find_if(filter_catalogue(), [](const auto& row) { return row.description.name == "kalman"; });
+  parts->motion = still.make(*check_settings(still.description, {"still", {}}, ""));
+  parts->make_filter = [&] { return kalman.make(*check_settings(kalman.description, {"kalman", {}}, ""), parts->motion, nullptr); };
+  FusionTracker tracker(parts, Random(1), {});
+  tracker.feed(hall().scan_at({8.0, 6.0}, at(1.0)));
+  const auto position = tracker.position(at(1.0));
+  ASSERT_TRUE(position);
+  EXPECT_EQ(position->place, (Place{{7.0, 3.0}, FloorOrdinal{2}}));
 }
 
 // A survey of walks whose fixes all err by the same bend: what a corrector is for.
