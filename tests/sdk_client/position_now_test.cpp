@@ -100,6 +100,38 @@ TEST(PositionNow, MovesSmoothlyAtSixtyHertzWhateverArrives) {
   EXPECT_LT(error / frames, 4);
 }
 
+TEST(PositionNow, StepsAsTheyComeDoNotMakeTheDotSurge) {
+  // A step of 0.7 m every 0.55 s, reported at once; half a second of silence makes a report without a step, so that a step's own
+  // interval is 0.05 s. The walker goes 1.27 m/s, and so must the dot, frame by frame.
+  PositionNow now;
+  now.fused(fused(0, 0, 0), at_s(0));
+  double reported = 0, next_step = 0.55, fastest = 0, slowest = 10;
+  std::optional<BuildingPoint> before;
+  for (int frame = 1; frame < 60 * 30; ++frame) {
+    const double t = frame / 60.0;
+    const bool step = t >= next_step;
+    if (step || t - reported >= 0.5) {
+      MotionReport report = walking(t);
+      report.interval = from_seconds(t - reported);
+      report.speed_mps.reset();
+      report.steps = step ? 1 : 0;
+      report.step_length_m = 0.7;
+      now.moved(report);
+      reported = t;
+      if (step) next_step += 0.55;
+    }
+    const auto live = now.at(at_s(t));
+    const double speed = before ? distance_m(*before, live->place.point) * 60 : 1.27;
+    before = live->place.point;
+    if (t < 5) continue;
+    fastest = std::max(fastest, speed);
+    slowest = std::min(slowest, speed);
+    EXPECT_NEAR(live->place.point.x_m, 0.7 / 0.55 * t, 1.0);
+  }
+  EXPECT_LT(fastest, 1.9);  // half as fast again
+  EXPECT_GT(slowest, 0.5);
+}
+
 TEST(PositionNow, ReckonsThroughAGapWithHonestlyGrowingRadii) {
   PositionNow now;
   now.fused(fused(0, 0, 0), at_s(0));

@@ -29,9 +29,12 @@ Heading PositionNow::to_local(const MotionReport& report) const {
 void PositionNow::add(const MotionReport& report, double part) {
   const double distance = report.distance_m() * part;
   heading_ = to_local(report);
-  speed_mps_ = seconds(report.interval) > 0 ? report.distance_m() / seconds(report.interval) : 0.0;
+  const double covered_s = seconds(report.interval) * part, kept = report.at_rest ? 0.0 : std::exp(-covered_s / settings_.pace_s);
+  pace_m_ = kept * pace_m_ + distance;
+  pace_s_ = kept * pace_s_ + covered_s;
   reached_ = {reached_.x_m + distance * heading_.cos(), reached_.y_m + distance * heading_.sin()};
-  reached_at_ = report.time;
+  // Without a step for a moment the walker is between two, not standing.
+  if (report.at_rest || distance > 0.0 || seconds(report.time - reached_at_) >= settings_.extrapolate_s) reached_at_ = report.time;
   travelled_m_ += distance;
   const double sigma = report.distance_sigma_m > 0 ? report.distance_sigma_m : settings_.step_sigma_m * report.steps;
   along_variance_m2_ += sigma * sigma * part;
@@ -74,7 +77,8 @@ void PositionNow::reckon_anew() {
   reached_ = fused_->place.point;
   reached_at_ = fused_->valid_at;
   travelled_m_ = along_variance_m2_ = heading_variance_ = 0.0;
-  speed_mps_ = fused_->speed_mps;
+  pace_s_ = settings_.pace_s;
+  pace_m_ = fused_->speed_mps * pace_s_;
   heading_ = fused_->heading;
   for (const MotionReport& report : reports_) {
     if (report.time <= fused_->valid_at) continue;
@@ -86,13 +90,13 @@ void PositionNow::reckon_anew() {
 /// Where the evidence says the walker is, without regard to where the dot was.
 PositionNow::Reckoned PositionNow::reckon(PhoneTime now) const {
   const double beyond = std::max(0.0, seconds(now - reached_at_));
-  const double carried = std::min(beyond, settings_.extrapolate_s) * speed_mps_;
+  const double carried = std::min(beyond, settings_.extrapolate_s) * speed_mps();
   const double blind = std::max(0.0, beyond - settings_.extrapolate_s) * settings_.idle_sigma_mps;
   const double across = travelled_m_ * std::sqrt(heading_variance_);
   Reckoned result;
   result.point = {reached_.x_m + carried * heading_.cos(), reached_.y_m + carried * heading_.sin()};
   result.variance_m2 = along_variance_m2_ + across * across + 0.25 * carried * carried + blind * blind;
-  result.speed_mps = beyond <= settings_.extrapolate_s ? speed_mps_ : 0.0;
+  result.speed_mps = beyond <= settings_.extrapolate_s ? speed_mps() : 0.0;
   return result;
 }
 

@@ -11,6 +11,7 @@ namespace wayfuse {
 
 struct PositionNowSettings {
   double rejoin_s = 0.5;           ///< time constant with which a correction is walked in; smaller = quicker, less smooth
+  double pace_s = 1.5;             ///< over which the walker's speed is taken: a step is an instant, walking is not
   double extrapolate_s = 1.0;      ///< beyond the newest report the walker is taken to go on for so long at most
   double idle_sigma_mps = 0.7;     ///< growth of uncertainty while no report tells what the walker does
   double step_sigma_m = 0.15;      ///< of a report that does not know its own distance_sigma_m, per step
@@ -56,6 +57,7 @@ class PositionNow {
   };
   Heading to_local(const MotionReport& report) const;
   void add(const MotionReport& report, double part);
+  double speed_mps() const { return pace_s_ > 0.0 ? pace_m_ / pace_s_ : 0.0; }
   void reckon_anew();
   Reckoned reckon(PhoneTime now) const;
   BuildingPoint shown(PhoneTime now) const;
@@ -74,7 +76,7 @@ class PositionNow {
   double travelled_m_ = 0.0;
   double along_variance_m2_ = 0.0;
   double heading_variance_ = 0.0;
-  double speed_mps_ = 0.0;
+  double pace_m_ = 0.0, pace_s_ = 0.0;    // travelled, and in what time, the older the less
   Heading heading_;
 
   // The correction being walked in.
