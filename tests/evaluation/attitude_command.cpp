@@ -105,7 +105,8 @@ nlohmann::json to_json(const Row& row) {
           {"in68", row.in_sigma}, {"in95", row.in_two_sigma}, {"trials", row.trials}};
 }
 
-bool write_report(const AttitudeOptions& options, const std::vector<Row>& rows, const std::vector<ValueSeries>& errors) {
+bool write_report(const AttitudeOptions& options, const std::vector<Row>& rows, std::vector<ValueSeries> errors) {
+  if (errors.size() > 1) std::rotate(errors.begin(), errors.begin() + 1, errors.end());  // the last line is drawn boldest
   std::filesystem::create_directories(options.report);
   const std::filesystem::path folder = options.report;
   std::ofstream chart(folder / ("attitude-" + options.format + ".svg"));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sdk/src/attitude/block_heading.hpp"
 #include "sdk/src/attitude/catalogue.hpp"
 #include "sdk/src/attitude/rotation.hpp"
 #include "tests/evaluation/motion/madgwick_heading.hpp"
@@ -79,6 +80,11 @@ AttitudeError attitude_error(Quaternion truth, Quaternion estimate) {
 std::vector<NamedEstimator> measured_estimators() {
   std::vector<NamedEstimator> all;
   for (const HeadingEstimatorRow& row : heading_estimators()) all.push_back({std::string(row.name), row.make});
+  all.push_back({"block_marg_no_delay", [] {
+                   BlockHeadingSettings settings;
+                   settings.sensor_delay_s = 0.0;
+                   return std::make_unique<BlockHeading>(settings);
+                 }});
   all.push_back({"madgwick_baseline", [] { return std::make_unique<MadgwickHeading>(); }});
   return all;
 }

@@ -38,7 +38,7 @@ struct NamedEstimator {
   std::string name;
   std::function<std::unique_ptr<HeadingEstimator>()> make;
 };
-/// The catalogue's, and the Madgwick baseline.
+/// The catalogue's, block_marg without its sensor delay, and the Madgwick baseline.
 std::vector<NamedEstimator> measured_estimators();
 
 TrialScore score(const NamedEstimator& estimator, const AttitudeTrial& trial, const TrialRun& run);
