@@ -38,13 +38,26 @@ start_docker() {
   return 1
 }
 
+runs_containers() {
+  "$SOURCE/docker/slim-root" "$WORK/probe/image" --shell
+  printf 'FROM scratch\nCOPY image/ /\n' >"$WORK/probe/Dockerfile"
+  docker build -q -t wayfuse-test/probe "$WORK/probe" >/dev/null && docker run --rm wayfuse-test/probe true
+}
+
 start_podman() {
   command -v podman >/dev/null || { MISSING+=("podman"); return 1; }
   export DOCKER_HOST=unix://$WORK/podman.sock
-  podman --root "$WORK/engine" --runroot "$WORK/exec" system service --time 0 "$DOCKER_HOST" >"$WORK/engine.log" 2>&1 &
+  # Its own defaults may be more than this machine allows.
+  printf '[containers]\ndefault_ulimits = ["nofile=%s:%s", "nproc=%s:%s"]\n' "$(ulimit -Hn)" "$(ulimit -Hn)" "$(ulimit -Hu)" "$(ulimit -Hu)" \
+    >"$WORK/containers.conf"
+  CONTAINERS_CONF=$WORK/containers.conf podman --root "$WORK/engine" --runroot "$WORK/exec" system service --time 0 "$DOCKER_HOST" >"$WORK/engine.log" 2>&1 &
   ENGINE=$! ENGINE_KIND=podman
-  wait_for_engine "$ENGINE" && return
-  MISSING+=("podman does not serve here: $(tail -n 1 "$WORK/engine.log")")
+  if wait_for_engine "$ENGINE"; then
+    runs_containers 2>"$WORK/probe.log" && return
+    MISSING+=("podman runs no container here: $(grep -i -m 1 error "$WORK/probe.log" | cut -c1-300)")
+  else
+    MISSING+=("podman does not serve here: $(tail -n 1 "$WORK/engine.log")")
+  fi
   stop_engine
   return 1
 }
