@@ -16,8 +16,9 @@ public class MovingDot {
         phone.onSensorEvent(Phone.ACCELEROMETER, 1000 * now, new float[] {0, 0, 9.81f});      // (A)
         phone.onSensorEvent(Phone.GYROSCOPE, 1000 * now, new float[] {0, 0, 0});              // (A)
         phone.onSensorEvent(Phone.MAGNETIC_FIELD, 1000 * now, new float[] {0, 22, -42});      // (A)
-        if (frame % 300 == 0) {                                                               // (A)
-          phone.onScanResults(now, new String[] {"0a:0b:0c:0d:0e:0f"}, new int[] {-55}, new int[] {2412}, new long[] {now - 1000});
+        if (frame % 120 == 0) {                                                               // (A), of the demo building
+          String[] bssids = {"00:1b:2c:f0:b5:31", "00:1b:2c:6f:7b:01", "00:1b:2c:4e:66:e1"};
+          phone.onScanResults(now, bssids, new int[] {-47, -51, -79}, new int[] {5260, 5500, 5500}, new long[] {now, now, now});
         }
         Phone.Position dot = phone.positionNow();
         if (dot != null && frame % 60 == 59) {

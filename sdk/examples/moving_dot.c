@@ -10,6 +10,11 @@
 
 static wayfuse_text text(const char *s) { wayfuse_text t = {s, strlen(s)}; return t; }
 
+static void on_fault(void *user, int32_t code, wayfuse_text what) {
+  (void)user, (void)code;
+  fprintf(stderr, "%.*s\n", (int)what.length, what.data);
+}
+
 int main(int count, char **words) {
   if (count < 4) return fprintf(stderr, "usage: moving_dot URL KEY BUILDING [SECONDS]\n"), 2;
   wayfuse_options options;
@@ -18,6 +23,7 @@ int main(int count, char **words) {
   options.token = text(words[2]);
   options.building = strtoull(words[3], NULL, 10);
   options.device_model = text("example");
+  options.on_fault = on_fault;
   wayfuse_phone *phone = NULL;
   if (wayfuse_phone_create(&options, &phone) != WAYFUSE_OK || wayfuse_phone_start(phone) != WAYFUSE_OK) {
     const wayfuse_text why = wayfuse_last_error();
@@ -29,9 +35,12 @@ int main(int count, char **words) {
     still.has = WAYFUSE_HAS_ACCELERATION | WAYFUSE_HAS_TURN_RATE | WAYFUSE_HAS_FIELD;
     still.acceleration_mps2[2] = 9.81, still.field_ut[1] = 22, still.field_ut[2] = -42;
     wayfuse_phone_feed_motion(phone, &still, 1);
-    if (frame % 300 == 0) { /* and your ScanResults here, each with the time it was heard */
-      const wayfuse_reading heard = {0x0a0b0c0d0e0f, -55.0, still.time_us - 1000, 2412, 0, 0, 0.0, 0.0};
-      wayfuse_phone_feed_scan(phone, still.time_us, &heard, 1);
+    if (frame % 120 == 0) { /* and your ScanResults here, each with the time it was heard: these live in the demo building */
+      const int64_t at = still.time_us - 1000;
+      const wayfuse_reading heard[3] = {{0x001b2cf0b531, -47.0, at, 5260, 0, 0, 0.0, 0.0},
+                                        {0x001b2c6f7b01, -51.0, at, 5500, 0, 0, 0.0, 0.0},
+                                        {0x001b2c4e66e1, -79.0, at, 5500, 0, 0, 0.0, 0.0}};
+      wayfuse_phone_feed_scan(phone, still.time_us, heard, 3);
     }
     wayfuse_position dot;
     wayfuse_position_init(&dot, sizeof dot);

@@ -37,9 +37,11 @@ int main(int count, char** words) {
       dot.moved(*report);
       (void)client.send(*report);
     }
-    if (frame % 300 == 0) {  // and your ScanResults here, each reading with its own age
-      (void)client.send(
-          wayfuse::RssScan{loop.now(), {{wayfuse::Bssid{0x0a0b0c0d0e0f}, -55, wayfuse::Duration{1000}, 2412, {}, {}}}});
+    if (frame % 120 == 0) {  // and your ScanResults here, each reading with its own age: these live in the demo building
+      const wayfuse::Duration age{1000};
+      (void)client.send(wayfuse::RssScan{loop.now(), {{wayfuse::Bssid{0x001b2cf0b531}, -47, age, 5260, {}, {}},
+                                                      {wayfuse::Bssid{0x001b2c6f7b01}, -51, age, 5500, {}, {}},
+                                                      {wayfuse::Bssid{0x001b2c4e66e1}, -79, age, 5500, {}, {}}}});
     }
     const auto live = dot.at(loop.now());
     if (live && frame % 60 == 59) {
