@@ -41,7 +41,7 @@ start_docker() {
 runs_containers() {
   "$SOURCE/docker/slim-root" "$WORK/probe/image" --shell
   printf 'FROM scratch\nCOPY image/ /\n' >"$WORK/probe/Dockerfile"
-  docker build -q -t wayfuse-test/probe "$WORK/probe" >/dev/null && docker run --rm wayfuse-test/probe true
+  docker build -q -t wayfuse-test/probe "$WORK/probe" >/dev/null 2>&1 && docker run --rm wayfuse-test/probe true
 }
 
 start_podman() {
@@ -54,7 +54,7 @@ start_podman() {
   ENGINE=$! ENGINE_KIND=podman
   if wait_for_engine "$ENGINE"; then
     runs_containers 2>"$WORK/probe.log" && return
-    MISSING+=("podman runs no container here: $(grep -i -m 1 error "$WORK/probe.log" | cut -c1-300)")
+    MISSING+=("podman runs no container here: $(grep -v -e "^$" -e --help "$WORK/probe.log" | head -n 1 | cut -c1-300)")
   else
     MISSING+=("podman does not serve here: $(tail -n 1 "$WORK/engine.log")")
   fi
