@@ -3,12 +3,15 @@
 #include <optional>
 
 #include "db/corrector_table.hpp"
+#include "db/directory_files.hpp"
 #include "db/file_lock.hpp"
+#include "db/floor_images.hpp"
 #include "db/packing.hpp"
 #include "db/radio_map_shelf.hpp"
 #include "db/schema.hpp"
 #include "db/survey_store.hpp"
 #include "db/verification.hpp"
+#include "db/webhook_table.hpp"
 #include "db/zone_table.hpp"
 
 namespace wayfuse {
@@ -29,11 +32,13 @@ void write_description(SqliteConnection& connection, const BuildingRecord& build
 
 void write_floors(SqliteConnection& connection, const std::vector<Floor>& floors) {
   connection.prepare("DELETE FROM floor").run();
-  Statement insert = connection.prepare("INSERT INTO floor (ordinal, label, outline, walkable) VALUES (?, ?, ?, ?)");
+  Statement insert = connection.prepare("INSERT INTO floor (ordinal, label, outline, walkable, walls) VALUES (?, ?, ?, ?, ?)");
   for (const Floor& floor : floors) {
     const std::string outline = floor.outline.rings.empty() ? std::string() : pack_polygons({floor.outline});
     const std::string walkable = pack_polygons(floor.walkable);
-    insert.bind(1, std::int64_t{floor.ordinal.value}).bind_text(2, floor.label).bind_blob(3, outline).bind_blob(4, walkable).run();
+    const std::string walls = floor.walls.empty() ? std::string() : pack_polygons({Polygon{floor.walls}});
+    insert.bind(1, std::int64_t{floor.ordinal.value}).bind_text(2, floor.label).bind_blob(3, outline).bind_blob(4, walkable);
+    insert.bind_blob(5, walls).run();
   }
 }
 
@@ -45,7 +50,7 @@ std::vector<Polygon> polygons(std::string_view blob) {
 
 std::vector<Floor> read_floors(SqliteConnection& connection) {
   std::vector<Floor> floors;
-  Statement select = connection.prepare("SELECT ordinal, label, outline, walkable FROM floor ORDER BY ordinal");
+  Statement select = connection.prepare("SELECT ordinal, label, outline, walkable, walls FROM floor ORDER BY ordinal");
   while (select.step()) {
     Floor floor;
     floor.ordinal.value = static_cast<std::int32_t>(select.integer(0));
@@ -56,6 +61,11 @@ std::vector<Floor> read_floors(SqliteConnection& connection) {
       floor.outline = std::move(outline.front());
     }
     floor.walkable = polygons(select.blob(3));
+    if (!select.blob(4).empty()) {
+      std::vector<Polygon> walls = polygons(select.blob(4));
+      if (walls.size() != 1) throw StoreError({FaultCode::kStoreCorrupt, connection.name(), "a floor's walls are not one set"});
+      floor.walls = std::move(walls.front().rings);
+    }
     floors.push_back(std::move(floor));
   }
   return floors;
@@ -198,6 +208,13 @@ Result<std::uint64_t> BuildingDatabase::erase(const EraseQuery& query) {
   });
 }
 
+Result<bool> BuildingDatabase::scrub() {
+  return connection_->run([&](SqliteConnection& sqlite) {
+    remove_old_copies(connection_->file);
+    return sqlite.integer("PRAGMA wal_checkpoint(TRUNCATE)") == 0;
+  });
+}
+
 Result<std::vector<ZoneRecord>> BuildingDatabase::zones() { return connection_->run(read_zones); }
 
 Result<ZoneRecord> BuildingDatabase::put_zone(const ZoneRecord& zone) {
@@ -206,6 +223,25 @@ Result<ZoneRecord> BuildingDatabase::put_zone(const ZoneRecord& zone) {
 
 Result<void> BuildingDatabase::remove_zone(std::uint64_t id) {
   return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_zone(sqlite, id); });
+}
+
+Result<std::vector<WebhookRecord>> BuildingDatabase::webhooks() { return connection_->run(read_webhooks); }
+Result<WebhookRecord> BuildingDatabase::put_webhook(const WebhookRecord& webhook) {
+  return connection_->run([&](SqliteConnection& sqlite) { return write_webhook(sqlite, webhook); });
+}
+Result<void> BuildingDatabase::remove_webhook(std::uint64_t id) {
+  return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_webhook(sqlite, id); });
+}
+
+Result<void> BuildingDatabase::put_floor_image(const FloorImage& image) {
+  return connection_->run([&](SqliteConnection& sqlite) { write_floor_image(sqlite, image); });
+}
+Result<FloorImage> BuildingDatabase::floor_image(FloorOrdinal floor) {
+  return connection_->run([&](SqliteConnection& sqlite) { return read_floor_image(sqlite, floor); });
+}
+Result<std::vector<FloorOrdinal>> BuildingDatabase::floor_images() { return connection_->run(read_floors_with_image); }
+Result<void> BuildingDatabase::remove_floor_image(FloorOrdinal floor) {
+  return connection_->run([&](SqliteConnection& sqlite) { wayfuse::remove_floor_image(sqlite, floor); });
 }
 
 Result<RadioMapRecord> BuildingDatabase::stage_map(const RadioMapDraft& draft) {

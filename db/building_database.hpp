@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "db/corrector_record.hpp"
+#include "db/floor_image.hpp"
 #include "db/radio_map_record.hpp"
+#include "db/webhook_record.hpp"
 #include "db/zone_record.hpp"
 #include "wayfuse/proto/fingerprint.hpp"
 #include "wayfuse/proto/message.hpp"
@@ -103,10 +105,23 @@ class BuildingDatabase {
   /// does not bring them back. Answers how many went; the survey version grows if any did.
   Result<std::uint64_t> erase(const EraseQuery& query);
 
+  /// Takes what was erased out of the log and of copies a migration left. False = a reader holds the log: try again later.
+  Result<bool> scrub();
+
   Result<std::vector<ZoneRecord>> zones();               ///< ascending ids
   /// Id 0 = a new one; else replaces, kNotFound if there is none.
   Result<ZoneRecord> put_zone(const ZoneRecord& zone);
   Result<void> remove_zone(std::uint64_t id);
+
+  Result<std::vector<WebhookRecord>> webhooks();         ///< ascending ids
+  /// Id 0 = a new one; else replaces all but secret and creation, kNotFound if there is none.
+  Result<WebhookRecord> put_webhook(const WebhookRecord& webhook);
+  Result<void> remove_webhook(std::uint64_t id);
+
+  Result<void> put_floor_image(const FloorImage& image); ///< replaces
+  Result<FloorImage> floor_image(FloorOrdinal floor);    ///< kNotFound if there is none
+  Result<std::vector<FloorOrdinal>> floor_images();      ///< floors that have one, ascending
+  Result<void> remove_floor_image(FloorOrdinal floor);
 
   /// Keeps a radio map for good; the same content again is the same version.
   Result<RadioMapRecord> stage_map(const RadioMapDraft& draft);

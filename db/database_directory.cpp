@@ -1,6 +1,7 @@
 #include "db/database_directory.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -53,6 +54,12 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   void restore_building(std::filesystem::path backup, std::function<void(Result<BuildingRecord>)> done) override {
     if (!queue_.post(std::nullopt, [this, backup = std::move(backup), done] { done(restore(backup)); })) done(closed());
   }
+
+  void remove_building(BuildingId id, UnixTime at, std::function<void(Result<void>)> done) override {
+    if (!queue_.post(std::nullopt, [this, id, at, done] { done(remove(id, at)); })) done(closed());
+  }
+
+  std::filesystem::path passing_file() override { return wayfuse::passing_file(folder_, ++passing_); }
 
   std::vector<BuildingId> buildings() const override {
     const std::lock_guard lock(mutex_);
@@ -130,6 +137,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   }
 
   void open_all() {
+    remove_passing_files(folder_);
     for (const BuildingId id : found_.corrupt) {
       mark_unusable(id, {FaultCode::kStoreCorrupt, building_file(folder_, id).filename().string(), "put aside at an earlier start"});
     }
@@ -164,7 +172,11 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   }
 
   Result<BuildingRecord> create(BuildingRecord building) {
-    if (building.id.value == 0) building.id = next_id();
+    if (building.id.value == 0) {
+      const Result<BuildingId> removed = server_.highest_removed();
+      if (!removed) return removed.fault();
+      building.id = std::max(next_id(), BuildingId{removed->value + 1});
+    }
     if (databases_.count(building.id) != 0 || why_unusable(building.id)) {
       return Fault{FaultCode::kConflict, "id", "there is a building " + std::to_string(building.id.value) + " already"};
     }
@@ -178,6 +190,22 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     databases_.insert_or_assign(building.id, std::move(*made));
     mark_usable(building.id);
     return building;
+  }
+
+  // The number is noted first: a crash in between leaves a building that is still there, never a number that comes back.
+  Result<void> remove(BuildingId id, UnixTime at) {
+    if (databases_.count(id) == 0 && !why_unusable(id)) {
+      return Fault{FaultCode::kUnknownBuilding, "building", "there is no building " + std::to_string(id.value)};
+    }
+    if (const Result<void> noted = server_.note_removed(id, at); !noted) return noted;
+    databases_.erase(id);
+    const Result<void> removed = as_result([&] { remove_building_files(folder_, id); });
+    if (removed) {
+      forget(id);
+    } else {
+      mark_unusable(id, removed.fault());
+    }
+    return removed;
   }
 
   Result<BuildingRecord> restore(const std::filesystem::path& backup) {
@@ -280,6 +308,7 @@ class DirectoryOnDisk final : public DatabaseDirectory {
   std::vector<BuildingId> present_;              // ascending
   std::map<BuildingId, Fault> unusable_;
   std::vector<WaitingAudit> audit_waiting_;
+  std::atomic<std::uint64_t> passing_{0};
   WriterQueue queue_;                            // last: its thread uses all the rest
 };
 

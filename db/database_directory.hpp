@@ -21,6 +21,7 @@ struct KeyRecord {
   UnixTime created_at;
   std::optional<UnixTime> expires_at;
   bool revoked = false;
+  bool coarse = false;                   ///< observes zones, never coordinates [C19]
 };
 
 /// The server's data folder: `server.sqlite` (keys, secret) and one `building-<id>.sqlite` each [C2]; and the one thread
@@ -56,6 +57,13 @@ class DatabaseDirectory {
   /// kConflict when that building is in use (a quarantined one is replaced, its files stay aside), kStoreCorrupt when the
   /// backup is not sound.
   virtual void restore_building(std::filesystem::path backup, std::function<void(Result<BuildingRecord>)> done) = 0;
+
+  /// Removes a building for good, with all its files, a quarantined one too. Its number is never given again; a backup of it
+  /// can be restored under it. kUnknownBuilding if there is none.
+  virtual void remove_building(BuildingId id, UnixTime at, std::function<void(Result<void>)> done) = 0;
+  /// A path inside the folder for a file in passing, a backup on its way out or in: nobody has it yet, and what is left of it
+  /// after a crash is removed at the next start.
+  virtual std::filesystem::path passing_file() = 0;
 
   /// Snapshot of what is there, taken under a mutex; ascending ids.
   virtual std::vector<BuildingId> buildings() const = 0;

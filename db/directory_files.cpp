@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "db/sqlite.hpp"
 
@@ -86,6 +87,46 @@ void remove_database(const fs::path& file) {
     fs::remove(file.string() + part, error);
     if (error) fail(file.parent_path(), error);
   }
+}
+
+namespace {
+
+// Removes what `goes` says by its name.
+template <typename Goes>
+void remove_where(const fs::path& folder, Goes&& goes) {
+  std::error_code error;
+  std::vector<fs::path> doomed;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (goes(entry->path().filename().string())) doomed.push_back(entry->path());
+  }
+  for (const fs::path& file : doomed) {
+    if (!error) fs::remove(file, error);
+  }
+  if (error) fail(folder, error);
+}
+
+constexpr std::string_view kPassing = "passing-";
+
+}  // namespace
+
+void remove_building_files(const fs::path& folder, BuildingId id) {
+  const std::string name = building_file(folder, id).filename().string();
+  remove_where(folder, [&](const std::string& found) {
+    return found == name || found.starts_with(name + ".") || found.starts_with(name + "-");
+  });
+}
+
+void remove_old_copies(const fs::path& database) {
+  const std::string name = database.filename().string() + ".v";
+  remove_where(database.parent_path(), [&](const std::string& found) { return found.starts_with(name); });
+}
+
+fs::path passing_file(const fs::path& folder, std::uint64_t number) {
+  return folder / (std::string(kPassing) + std::to_string(number) + ".sqlite");
+}
+
+void remove_passing_files(const fs::path& folder) {
+  remove_where(folder, [](const std::string& found) { return found.starts_with(kPassing); });
 }
 
 void put_in_place(const fs::path& folder, const fs::path& database, BuildingId id) {

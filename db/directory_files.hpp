@@ -22,6 +22,13 @@ DirectoryFiles list_or_make(const std::filesystem::path& folder);
 void put_aside(const std::filesystem::path& folder, BuildingId id);
 /// Removes a database with its log and marks; a file that is not there is no fault.
 void remove_database(const std::filesystem::path& file);
+/// Removes every file of a building: its database, copies from before migrations, what was put aside.
+void remove_building_files(const std::filesystem::path& folder, BuildingId id);
+/// Removes copies a migration left beside a database: they hold what was erased since.
+void remove_old_copies(const std::filesystem::path& database);
+/// Files in passing, and what an earlier process left of them.
+std::filesystem::path passing_file(const std::filesystem::path& folder, std::uint64_t number);
+void remove_passing_files(const std::filesystem::path& folder);
 /// Renames a closed database to a building's file, durably.
 void put_in_place(const std::filesystem::path& folder, const std::filesystem::path& database, BuildingId id);
 

@@ -38,7 +38,7 @@ std::vector<std::string> read_scopes(SqliteConnection& connection, std::int64_t 
 
 std::vector<KeyRecord> read_keys(SqliteConnection& connection) {
   Statement select = connection.prepare(
-      "SELECT id, name, keyed_hash, building, created_at_us, expires_at_us, revoked FROM api_key ORDER BY id");
+      "SELECT id, name, keyed_hash, building, created_at_us, expires_at_us, revoked, coarse FROM api_key ORDER BY id");
   std::vector<KeyRecord> keys;
   while (select.step()) {
     KeyRecord key;
@@ -50,6 +50,7 @@ std::vector<KeyRecord> read_keys(SqliteConnection& connection) {
     key.created_at = UnixTime(Duration(select.integer(4)));
     if (!select.is_null(5)) key.expires_at = UnixTime(Duration(select.integer(5)));
     key.revoked = select.integer(6) != 0;
+    key.coarse = select.integer(7) != 0;
     keys.push_back(std::move(key));
   }
   return keys;
@@ -58,9 +59,9 @@ std::vector<KeyRecord> read_keys(SqliteConnection& connection) {
 KeyRecord write_key(SqliteConnection& connection, KeyRecord key) {
   Transaction transaction(connection);
   Statement insert = connection.prepare(
-      "INSERT INTO api_key (name, keyed_hash, building, created_at_us, expires_at_us, revoked) VALUES (?, ?, ?, ?, ?, ?)");
+      "INSERT INTO api_key (name, keyed_hash, building, created_at_us, expires_at_us, revoked, coarse) VALUES (?, ?, ?, ?, ?, ?, ?)");
   insert.bind_text(1, key.name).bind_blob(2, key.keyed_hash).bind(3, static_cast<std::int64_t>(key.building.value));
-  insert.bind(4, std::int64_t{key.created_at.time_since_epoch().count()}).bind(6, std::int64_t{key.revoked});
+  insert.bind(4, std::int64_t{key.created_at.time_since_epoch().count()}).bind(6, std::int64_t{key.revoked}).bind(7, std::int64_t{key.coarse});
   if (key.expires_at) insert.bind(5, std::int64_t{key.expires_at->time_since_epoch().count()});
   insert.run();
   key.id = static_cast<std::uint64_t>(connection.last_insert_id());
@@ -108,6 +109,21 @@ Result<KeyRecord> ServerDatabase::add_key(KeyRecord key) {
 
 Result<void> ServerDatabase::revoke_key(std::uint64_t id) {
   return run([&](SqliteConnection& connection) { set_revoked(connection, id); });
+}
+
+Result<void> ServerDatabase::note_removed(BuildingId id, UnixTime at) {
+  return run([&](SqliteConnection& connection) {
+    Transaction transaction(connection);
+    Statement insert = connection.prepare("INSERT OR REPLACE INTO removed_building (id, at_us) VALUES (?, ?)");
+    insert.bind(1, static_cast<std::int64_t>(id.value)).bind(2, std::int64_t{at.time_since_epoch().count()}).run();
+    transaction.commit();
+  });
+}
+
+Result<BuildingId> ServerDatabase::highest_removed() {
+  return run([](SqliteConnection& connection) {
+    return BuildingId{static_cast<std::uint64_t>(connection.integer("SELECT coalesce(max(id), 0) FROM removed_building"))};
+  });
 }
 
 Result<void> ServerDatabase::audit(const std::vector<AuditRecord>& records) {

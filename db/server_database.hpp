@@ -23,6 +23,8 @@ class ServerDatabase {
   Result<std::vector<KeyRecord>> keys();
   Result<KeyRecord> add_key(KeyRecord key);
   Result<void> revoke_key(std::uint64_t id);
+  Result<void> note_removed(BuildingId id, UnixTime at);
+  Result<BuildingId> highest_removed();  ///< 0 = none
   /// All or none.
   Result<void> audit(const std::vector<AuditRecord>& records);
   Result<std::vector<AuditRecord>> audited(const AuditQuery& query);
