@@ -17,6 +17,7 @@ namespace {
 
 // The server must be gone 10 s after SIGTERM [SAFETY C20]; the store's last commit and the joins need a part of that.
 constexpr Duration kDrainMost = std::chrono::seconds(8);
+constexpr Duration kForgetEvery = std::chrono::hours(1);
 constexpr Duration kGoneShown = std::chrono::seconds(30);
 
 std::uint64_t random_bits() {
@@ -69,6 +70,8 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
       workers_(config_.workers),
       keeper_(*store_, shelf_, [this](std::function<void()> task) { workers_.run(std::move(task)); }),
       sessions_(random_epoch(), random_names(), config_.shelf),
+      zones_(*store_, clock_, sessions_.epoch(), config_.zones),
+      webhooks_(*store_, zones_, clock_, config_.webhooks, random_bits()),
       session_world_{.clock = clock_,
                      .buildings = shelf_,
                      .sessions = sessions_,
@@ -76,7 +79,8 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
                      .store = *store_,
                      .counters = session_counters_,
                      .survey_changed = [this](BuildingId building) { keeper_.refresh(building); },
-                     .settings = config_.sessions} {}
+                     .settings = config_.sessions,
+                     .zones = &zones_} {}
 
 App::~App() {
   drain();
@@ -96,10 +100,15 @@ Result<void> App::open() {
   auto keys = KeyRing::open(*store_, clock_);
   if (!keys) return keys.fault();
   keys_ = *std::move(keys);
-  router_ = std::make_unique<Router>(*keys_);
+  audit_ = std::make_unique<AuditTrail>(*store_, clock_);
+  router_ = std::make_unique<Router>(*keys_, audit_.get(), &ledger_);
   add_building_routes(*router_, *store_, *this);
   add_survey_routes(*router_, *store_, *this);
-  add_operation_routes(*router_, *this);
+  add_operation_routes(*router_, *this, zones_);
+  add_zone_routes(*router_, *store_, zones_, *keys_, clock_);
+  add_plan_routes(*router_, *store_, *this, zones_, [this](std::function<void()> task) { workers_.run(std::move(task)); });
+  add_webhook_routes(*router_, *store_, webhooks_, clock_);
+  add_data_routes(*router_, *store_, *this, zones_, webhooks_, clock_);
   add_key_routes(*router_, *keys_, clock_);
   add_session_token_routes(*router_, *keys_);
   add_console_routes(*router_);
@@ -111,7 +120,13 @@ Result<void> App::open() {
   if (const auto made = make_first_key(); !made) return made.fault();
 
   const std::vector<BuildingId> there = store_->buildings();
-  for (const BuildingId id : there) keeper_.refresh(id);
+  for (const BuildingId id : there) {
+    keeper_.refresh(id);
+    zones_.zones_changed(id);
+    webhooks_.webhooks_changed(id);
+  }
+  webhooks_.start();
+  listener_->every(kForgetEvery, [this] { forget(); });
   listener_->every(std::chrono::seconds(1), [this] { sweep(); });
   listener_->start(config_.io_threads);
   keeper_.wait_for_first_round(there);  // surveyors may already upload again: to wait for quiet would be to wait for them
@@ -146,6 +161,13 @@ std::string App::url() const {
 void App::sweep() {
   for (const std::string& tracked : sessions_.sweep(clock_.now())) board_.gone(tracked, clock_.wall_now());
   board_.sweep(clock_.wall_now() - kGoneShown);
+  zones_.tick();
+}
+
+// Retention [C19]. What fails now is tried again in an hour.
+void App::forget() {
+  const auto forgotten = store_->forget_audit(clock_.wall_now() - config_.audit_kept);
+  if (!forgotten) log_.error("audit_not_forgotten", {{"fault", to_string(forgotten.fault())}});
 }
 
 void App::reload(const ServerConfig& wanted) {
@@ -168,6 +190,7 @@ void App::drain() {
   ready_ = false;
   log_.info("draining", {{"connections", std::to_string(net_counters_.connections.load())}});
   if (listener_) listener_->drain(config_.drain_within, kDrainMost);
+  webhooks_.stop();
   keeper_.stop();
   store_->close();
   workers_.stop();
@@ -188,7 +211,7 @@ std::vector<SessionSummary> App::sessions(BuildingId building) const {
 }
 
 std::string App::metrics() const {
-  return metrics_text(session_world_, net_counters_, net_world_->budget, keeper_, ready_);
+  return metrics_text(session_world_, net_counters_, net_world_->budget, keeper_, zones_, webhooks_, ready_);
 }
 
 std::vector<PartDescription> App::parts() const {

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "admin/access.hpp"
+#include "admin/audit_trail.hpp"
+#include "admin/idempotency.hpp"
 #include "admin/router.hpp"
 #include "admin/server_control.hpp"
 #include "db/database_directory.hpp"
@@ -12,10 +14,23 @@
 #include "server/config.hpp"
 #include "server/log.hpp"
 #include "server/net/listener.hpp"
+#include "server/webhooks/webhook_sender.hpp"
+#include "server/zones/zone_watch.hpp"
 #include "server/system_clock.hpp"
 #include "server/worker_pool.hpp"
 
 namespace wayfuse {
+
+/// Brings every position to the zones.
+class ZoneFeed final : public PositionWatcher {
+ public:
+  explicit ZoneFeed(ZoneWatch& zones) : zones_(zones) {}
+  void moved(const std::string& tracked, const FusedPosition& position) override { zones_.moved(tracked, position); }
+  void gone(const std::string& tracked) override { zones_.gone(tracked); }
+
+ private:
+  ZoneWatch& zones_;
+};
 
 /// The whole server, put together: the only place that knows every room.
 ///
@@ -53,18 +68,24 @@ class App final : public ServerControl {
   Result<void> open();
   Result<void> make_first_key();
   void sweep();
+  void forget();
 
   const ServerConfig config_;
   SystemClock clock_;
   Log log_;
   std::unique_ptr<DatabaseDirectory> store_;
   std::unique_ptr<KeyRing> keys_;
+  std::unique_ptr<AuditTrail> audit_;
+  IdempotencyLedger ledger_{clock_};
   std::string first_key_;
   WorkerPool workers_;
   BuildingShelf shelf_;
   BuildingKeeper keeper_;
   SessionShelf sessions_;
-  LiveBoard board_;
+  ZoneWatch zones_;
+  ZoneFeed zone_feed_{zones_};
+  WebhookSender webhooks_;
+  LiveBoard board_{&zone_feed_};
   SessionCounters session_counters_;
   SessionWorld session_world_;
   NetCounters net_counters_;

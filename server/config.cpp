@@ -133,6 +133,20 @@ const std::array kSettings = {
                   WAYFUSE_SECONDS(sessions.hello_deadline, 0.1, 600)},
     ConfigSetting{"sessions.idle_s", "without a valid message before the connection is closed, 1..86400 s",
                   WAYFUSE_SECONDS(sessions.idle_deadline, 1, 86400)},
+    ConfigSetting{"zones.enter", "probability inside from which a phone enters a zone, 0.5..1", WAYFUSE_RATE(zones.enter, 0.5, 1)},
+    ConfigSetting{"zones.leave", "probability inside up to which it leaves, 0..0.5", WAYFUSE_RATE(zones.leave, 0, 0.5)},
+    ConfigSetting{"zones.settle_m", "walked under such evidence before it is believed, 0..50 m", WAYFUSE_RATE(zones.settle_m, 0, 50)},
+    ConfigSetting{"zones.settle_at_rest_s", "or stood, 0..3600 s", WAYFUSE_SECONDS(zones.settle_at_rest, 0, 3600)},
+    ConfigSetting{"zones.corrected_within_s", "a transition this young is taken back when the position jumps, 0..3600 s",
+                  WAYFUSE_SECONDS(zones.corrected_within, 0, 3600)},
+    ConfigSetting{"webhooks.private_targets", "webhooks may lead to loopback and private networks, and over plain HTTP",
+                  [](Config& c, Text key, Text text) { return take_switch(c.webhooks.private_targets, key, text); },
+                  [](const Config& c) { return std::string(c.webhooks.private_targets ? "true" : "false"); }},
+    ConfigSetting{"webhooks.attempts", "before an event is a dead letter, 1..100", WAYFUSE_COUNT(webhooks.attempts, 1, 100)},
+    ConfigSetting{"webhooks.first_wait_s", "before the second attempt; doubled at each further one, 0.01..3600 s",
+                  WAYFUSE_SECONDS(webhooks.first_wait, 0.01, 3600)},
+    ConfigSetting{"webhooks.longest_wait_s", "between two attempts, 0.01..86400 s", WAYFUSE_SECONDS(webhooks.longest_wait, 0.01, 86400)},
+    ConfigSetting{"privacy.audit_s", "how long the audit is kept, 3600..3.2e8 s", WAYFUSE_SECONDS(audit_kept, 3600, 3.2e8)},
     ConfigSetting{"log.level", "debug, info, warn, error or off; read again at SIGHUP", take_level,
                   [](const Config& c) { return in_quotes(c.log_level); }, true},
 };
@@ -190,7 +204,7 @@ Result<void> read_environment(ServerConfig& config, const char* const* environme
         std::ranges::find(kSettings, name, [](const ConfigSetting& setting) { return environment_name(setting.key); });
     // Other wayfuse programs have variables of their own; only names of our sections can be misspelt.
     if (row == kSettings.end()) {
-      const bool ours = std::ranges::any_of(std::array<Text, 5>{"SERVER_", "LISTEN_", "TLS_", "LIMITS_", "SESSIONS_"},
+      const bool ours = std::ranges::any_of(std::array<Text, 8>{"SERVER_", "LISTEN_", "TLS_", "LIMITS_", "SESSIONS_", "ZONES_", "WEBHOOKS_", "PRIVACY_"},
                                             [&](Text section) { return name.substr(kPrefix.size()).starts_with(section); });
       if (ours) return unknown(name);
       continue;

@@ -8,6 +8,8 @@
 
 #include "server/net/net_world.hpp"
 #include "server/sessions/session_shelf.hpp"
+#include "server/webhooks/webhook_queue.hpp"
+#include "server/zones/zone_presence.hpp"
 #include "wayfuse/proto/result.hpp"
 
 namespace wayfuse {
@@ -23,6 +25,9 @@ struct ServerConfig {
   NetSettings net;
   SessionSettings sessions;
   SessionShelfSettings shelf;
+  ZoneRules zones;
+  WebhookSettings webhooks;
+  Duration audit_kept = std::chrono::hours(24 * 365);
 };
 
 /// One row of the table that file, environment, flags, checks and documentation share.

@@ -61,6 +61,7 @@ void add_sessions(Exposition& out, const SessionWorld& world) {
   out.counter("survey_points_total", "Reference points committed.", number(c.survey_points));
   out.counter("survey_refused_total", "Survey batches refused.", number(c.survey_refused));
   out.counter("observations_total", "Observations sent.", number(c.observations));
+  out.counter("zone_events_sent_total", "Zone events sent to observers over WebSocket.", number(c.zone_events));
 }
 
 void add_net(Exposition& out, const NetCounters& c) {
@@ -87,10 +88,29 @@ void add_net(Exposition& out, const NetCounters& c) {
   out.gauge("outbox_bytes", "Bytes waiting to be written.", number(c.outbox_bytes));
 }
 
+void add_zones(Exposition& out, const ZoneWatch& zones) {
+  const ZoneCounters& c = zones.counters();
+  out.gauge("zones", "Zones watched.", static_cast<double>(zones.zones()));
+  out.gauge("zone_occupants", "Phones in zones, each counted once a zone.", static_cast<double>(zones.occupied()));
+  out.counter("zone_entries_total", "Entries into zones.", number(c.entered));
+  out.counter("zone_exits_total", "Exits from zones.", number(c.left));
+  out.counter("zone_transitions_withdrawn_total", "Of those, transitions that took an earlier one back.", number(c.withdrawn));
+}
+
+void add_webhooks(Exposition& out, const WebhookState& all) {
+  const auto count = [](std::uint64_t value) { return static_cast<double>(value); };
+  out.gauge("webhook_queue_depth", "Zone events waiting for a webhook or under way.", count(all.waiting));
+  out.gauge("webhook_dead_letters", "Events no webhook took; in memory.", count(all.dead));
+  out.counter("webhook_delivered_total", "Events a webhook took.", count(all.delivered));
+  out.counter("webhook_failed_attempts_total", "Attempts that failed.", count(all.failed_attempts));
+  out.counter("webhook_dropped_total", "Dead letters that had to make room.", count(all.dropped));
+}
+
 }  // namespace
 
 std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, const MemoryBudget& budget,
-                         const BuildingKeeper& buildings, bool ready) {
+                         const BuildingKeeper& buildings, const ZoneWatch& zones, const WebhookSender& webhooks,
+                         bool ready) {
   Exposition out;
   out.gauge("ready", "1 when the server takes sessions.", ready ? 1 : 0);
   out.gauge("buildings", "Buildings on the shelf.", static_cast<double>(sessions.buildings.all().size()));
@@ -100,6 +120,8 @@ std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, c
   out.gauge("resident_memory_bytes", "Resident memory of the process.", resident_bytes());
   add_sessions(out, sessions);
   add_net(out, net);
+  add_zones(out, zones);
+  add_webhooks(out, webhooks.total());
   return out.text();
 }
 

@@ -28,6 +28,10 @@ void BuildingKeeper::begin(BuildingId id) {
 }
 
 void BuildingKeeper::read(BuildingId id, Result<BuildingDatabase*> database) {
+  if (!database && database.fault().code == FaultCode::kUnknownBuilding) {  // removed
+    shelf_.remove(id);
+    return done(id, std::nullopt);
+  }
   if (!database) return done(id, database.fault());
   auto survey = read_survey(**database);
   if (!survey) return done(id, survey.fault());

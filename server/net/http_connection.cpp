@@ -64,7 +64,8 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   }
   void drain(Duration, Duration) override {
     asio::post(stream_.get_executor(), [self = this->shared_from_this()] {
-      if (self->idle_ || self->half_open_) self->hang_up();
+      if (self->idle_ || self->half_open_) return self->hang_up();
+      if (self->source_) self->end_soon();
     });
   }
   void cut() override {
@@ -73,6 +74,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
 
  private:
   static constexpr std::size_t kBufferBytes = 64 * 1024;
+  static constexpr std::uint64_t kSlowestUpload = 256 * 1024;  ///< bytes a second of a body beyond the usual limit
 
   // ---- reading
   void read() {
@@ -96,12 +98,21 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     }
     if (beast::websocket::is_upgrade(request)) return upgrade();
     const bool upload = request.method() == http::verb::post || request.method() == http::verb::put;
-    const std::uint64_t most = upload ? world_.settings.upload_bytes : world_.settings.body_bytes;
+    std::uint64_t most = upload ? world_.settings.upload_bytes : world_.settings.body_bytes;
+    const std::uint64_t announced = parser_->content_length().value_or(0);
+    if (upload && announced > most) most = std::max(most, limit_of_path());
     parser_->body_limit(most);
-    if (parser_->content_length().value_or(0) > most) return refuse({FaultCode::kTooLarge, "body", "longer than this path takes"}, 413);
-    allow(world_.settings.body_deadline);
+    if (announced > most) return refuse({FaultCode::kTooLarge, "body", "longer than this path takes"}, 413);
+    allow(world_.settings.body_deadline + std::chrono::seconds(announced / kSlowestUpload));
     if (beast::iequals(request[http::field::expect], "100-continue")) return ask_for_body();
     read_body();
+  }
+
+  // A path may take more, from a key that may use it: whoever else announces that much is refused before it is read.
+  std::uint64_t limit_of_path() {
+    const auto header = request_from(parser_->get());
+    if (!header || !world_.addresses->may_authenticate(visit_.address, world_.clock.now())) return 0;
+    return world_.router.body_limit(*header).value_or(0);
   }
 
   void ask_for_body() {
@@ -149,7 +160,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
                  [self, response = std::move(response)]() mutable { self->respond(std::move(response)); });
     };
     try {
-      world_.router.handle(*request, respond_once);
+      world_.router.handle(*std::move(request), respond_once);
     } catch (const std::exception& broken) {
       world_.complain(std::string("a handler failed: ") + broken.what());
       respond_once(problem({FaultCode::kInternal, "", "a bug of ours; it was logged"}));
@@ -191,17 +202,115 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
       counters.authentication_failures++;
       world_.addresses->refused(visit_.address, world_.clock.now());
     }
+    if (response.stream && !head_) return begin_stream(std::move(response));
     response_ = HttpResponse(static_cast<http::status>(response.status), version_);
-    for (const auto& [name, value] : response.headers) response_.set(name, value);
-    response_.set(http::field::server, "wayfuse");
-    if (!response.body.empty()) response_.set(http::field::content_type, response.content_type);
+    put_headers(response_, response);
     response_.keep_alive(keep_alive_ && !world_.draining);
-    response_.content_length(response.body.size());
+    if (response.stream) {
+      response_.set(http::field::content_type, response.content_type);
+    } else {
+      if (!response.body.empty()) response_.set(http::field::content_type, response.content_type);
+      response_.content_length(response.body.size());
+    }
     if (!head_) response_.body() = std::move(response.body);
     allow(world_.settings.http_write_deadline);
     http::async_write(stream_, response_, [self = this->shared_from_this()](error_code error, std::size_t) {
       if (error || !self->response_.keep_alive()) return self->say_goodbye();
       self->response_ = {};
+      self->allow(self->world_.settings.keep_alive_deadline);
+      self->read();
+    });
+  }
+
+  static void put_headers(http::fields& fields, const Response& response) {
+    for (const auto& [name, value] : response.headers) fields.set(name, value);
+    fields.set(http::field::server, "wayfuse");
+  }
+
+  // ---- answering in pieces: one in flight, the next asked for when it is written
+  void begin_stream(Response response) {
+    source_ = std::move(response.stream);
+    stream_head_.emplace(static_cast<http::status>(response.status), version_);
+    put_headers(*stream_head_, response);
+    stream_head_->set(http::field::content_type, response.content_type);
+    // HTTP/1.0 knows no chunks: there the end of the connection is the end of the body.
+    if (version_ < 11) keep_alive_ = false;
+    stream_head_->keep_alive(keep_alive_ && !world_.draining);
+    if (version_ >= 11) stream_head_->chunked(true);
+    stream_head_writer_.emplace(*stream_head_);
+    source_->on_ready([weak = this->weak_from_this(), strand = stream_.get_executor()] {
+      asio::post(strand, [weak] {
+        if (const auto self = weak.lock()) self->woken();
+      });
+    });
+    allow(world_.settings.http_write_deadline);
+    http::async_write_header(stream_, *stream_head_writer_, [self = this->shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->hang_up();
+      self->pump();
+    });
+  }
+
+  void pump() {
+    if (gone_ || !source_) return;
+    auto piece = ending_ ? std::nullopt : source_->next();
+    if (!piece) return end_stream();
+    if (piece->empty()) return stay();
+    write_piece(*std::move(piece));
+  }
+
+  // Nothing is under way that would keep the connection alive: it keeps itself.
+  void stay() {
+    waiting_ = true;
+    staying_ = this->shared_from_this();
+  }
+
+  void stay_no_longer() {
+    waiting_ = false;
+    staying_.reset();
+  }
+
+  void woken() {
+    if (!waiting_) return;
+    stay_no_longer();
+    pump();
+  }
+
+  void stay_alive() {
+    auto piece = source_->idle();
+    if (!piece) return end_stream();
+    if (piece->empty()) return;
+    stay_no_longer();
+    write_piece(*std::move(piece));
+  }
+
+  void write_piece(std::string piece) {
+    piece_ = std::move(piece);
+    allow(world_.settings.http_write_deadline);
+    auto written = [self = this->shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->hang_up();
+      self->pump();
+    };
+    if (version_ >= 11) {
+      asio::async_write(stream_, http::make_chunk(asio::buffer(piece_)), std::move(written));
+    } else {
+      asio::async_write(stream_, asio::buffer(piece_), std::move(written));
+    }
+  }
+
+  void end_soon() {
+    ending_ = true;
+    keep_alive_ = false;
+    woken();
+  }
+
+  void end_stream() {
+    stay_no_longer();
+    source_.reset();
+    if (version_ < 11) return say_goodbye();
+    const bool goes_on = keep_alive_ && !world_.draining;
+    allow(world_.settings.http_write_deadline);
+    asio::async_write(stream_, http::make_chunk_last(), [self = this->shared_from_this(), goes_on](error_code error, std::size_t) {
+      if (error || !goes_on) return self->say_goodbye();
       self->allow(self->world_.settings.keep_alive_deadline);
       self->read();
     });
@@ -248,6 +357,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
 
   void tick() {
     if (gone_ || busy_) return;
+    if (waiting_) return stay_alive();
     if (world_.clock.now() <= deadline_) return;
     if (half_open_) world_.counters.handshake_timeouts++;
     hang_up();
@@ -284,6 +394,8 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   void hang_up() {
     if (gone_) return;
     gone_ = true;
+    source_.reset();
+    stay_no_longer();
     error_code ignored;
     lowest(stream_).close(ignored);
   }
@@ -293,10 +405,17 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   HttpResponse response_;
+  std::shared_ptr<BodySource> source_;  ///< while a body goes out in pieces
+  std::optional<http::response<http::empty_body>> stream_head_;
+  std::optional<http::response_serializer<http::empty_body>> stream_head_writer_;
+  std::string piece_;
   ServerTime deadline_;
   unsigned version_ = 11;
   bool half_open_ = true;
   bool idle_ = false;
+  std::shared_ptr<HttpConnection> staying_;  ///< itself, while waiting_
+  bool waiting_ = false;                     ///< the source has nothing now
+  bool ending_ = false;   ///< the server drains: no further piece
   bool busy_ = false;  ///< a handler has the request: it answers in its own time
   bool keep_alive_ = true;
   bool head_ = false;

@@ -314,7 +314,7 @@ std::optional<Encoding> negotiate(std::string_view offered) {
 Rights rights_of(const Principal& principal) {
   const auto has = [&](Scope scope) { return std::ranges::find(principal.scopes, scope) != principal.scopes.end(); };
   return {principal.key_id,     has(Scope::kTrack), has(Scope::kSurvey),
-          has(Scope::kObserve), principal.building, principal.expires_at};
+          has(Scope::kObserve), principal.building, principal.expires_at, principal.coarse};
 }
 
 void serve_websocket(NetWorld& world, PlainStream stream, HttpRequest upgrade, Encoding encoding, std::optional<Rights> rights,

@@ -12,15 +12,18 @@ void LiveBoard::put(const SessionSummary& summary) {
 }
 
 void LiveBoard::moved(const std::string& tracked, const FusedPosition& position, std::uint64_t applied_through, UnixTime at) {
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(tracked);
-  if (found == entries_.end() || found->second.gone_at) return;
-  Entry& entry = found->second;
-  entry.summary.position = position;
-  entry.summary.building = position.building;
-  entry.summary.applied_through = applied_through;
-  entry.received_at = at;
-  touch(entry);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(tracked);
+    if (found == entries_.end() || found->second.gone_at) return;
+    Entry& entry = found->second;
+    entry.summary.position = position;
+    entry.summary.building = position.building;
+    entry.summary.applied_through = applied_through;
+    entry.received_at = at;
+    touch(entry);
+  }
+  if (watcher_) watcher_->moved(tracked, position);
 }
 
 void LiveBoard::set_connected(const std::string& tracked, bool connected) {
@@ -30,12 +33,15 @@ void LiveBoard::set_connected(const std::string& tracked, bool connected) {
 }
 
 void LiveBoard::gone(const std::string& tracked, UnixTime at) {
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(tracked);
-  if (found == entries_.end() || found->second.gone_at) return;
-  found->second.gone_at = at;
-  found->second.summary.connected = false;
-  if (found->second.summary.position) touch(found->second);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(tracked);
+    if (found == entries_.end() || found->second.gone_at) return;
+    found->second.gone_at = at;
+    found->second.summary.connected = false;
+    if (found->second.summary.position) touch(found->second);
+  }
+  if (watcher_) watcher_->gone(tracked);
 }
 
 void LiveBoard::sweep(UnixTime before) {

@@ -11,11 +11,21 @@
 
 namespace wayfuse {
 
+/// Who wants to know of every position, besides those who ask the board. Called on any strand, outside the board's mutex.
+class PositionWatcher {
+ public:
+  virtual ~PositionWatcher() = default;
+  virtual void moved(const std::string& tracked, const FusedPosition& position) = 0;
+  virtual void gone(const std::string& tracked) = 0;
+};
+
 /// Where every tracked phone is now: what observers and the operator see. Names are public ones and resume nothing.
 ///
 /// Only the newest position is kept, and only in memory [SAFETY C19]. Thread: any; one mutex, never held while calling out.
 class LiveBoard {
  public:
+  explicit LiveBoard(PositionWatcher* watcher = nullptr) : watcher_(watcher) {}
+
   /// A session began, was resumed, or lost its connection.
   void put(const SessionSummary& summary);
   void moved(const std::string& tracked, const FusedPosition& position, std::uint64_t applied_through, UnixTime at);
@@ -44,6 +54,7 @@ class LiveBoard {
   };
   void touch(Entry& entry);
 
+  PositionWatcher* const watcher_;
   mutable std::mutex mutex_;
   std::map<std::string, Entry> entries_;
   std::map<std::uint64_t, Entry*> by_revision_;  ///< only entries with a position

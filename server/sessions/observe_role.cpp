@@ -17,12 +17,17 @@ class ObserveRole final : public RoleConversation, public std::enable_shared_fro
         output_(seat.output),
         post_(std::move(seat.post)),
         key_id_(seat.rights.key_id),
+        coarse_(seat.rights.coarse),
         building_(building) {}
 
   bool receive(ClientMessage& message) override {
     const auto* subscribe = std::get_if<Subscribe>(&message);
     if (!subscribe) return false;
-    if (subscribe->zone_events) {
+    if (subscribe->positions && coarse_) {
+      output_.send(report({FaultCode::kNotAllowed, "positions", "the key sees zones only; ask for positions: false"}));
+      return true;
+    }
+    if (subscribe->zone_events && !world_.zones) {
       output_.send(report({FaultCode::kUnexpectedMessage, "zone_events", "this server watches no zones"}));
       return true;
     }
@@ -58,11 +63,13 @@ class ObserveRole final : public RoleConversation, public std::enable_shared_fro
     interval_ = std::max(wanted.min_interval, world_.settings.least_observation_interval);
     seen_ = 0;
     shown_.clear();
+    if (wanted.zone_events) told_through_ = world_.zones->newest_event();
     show();
   }
 
   void show() {
     shown_at_ = world_.clock.now();
+    if (subscription_->zone_events) tell_events();
     if (!subscription_->positions) return;
     while (!output_.congested()) {
       auto changes = world_.board.changes_after(seen_, building_, Limits::kObservedPerMessage);
@@ -78,6 +85,30 @@ class ObserveRole final : public RoleConversation, public std::enable_shared_fro
       }
       if (!more) return;
     }
+  }
+
+  // Events are not conflated: a slow observer gets the rest later, out of the log. One that falls out of the log is told.
+  void tell_events() {
+    while (!output_.congested()) {
+      const auto news = world_.zones->events_after(told_through_, building_, kEventsAtOnce);
+      if (news.missed) {
+        output_.send(report({FaultCode::kOverloaded, "zone_events", "some events are forgotten by now: ask for the zones' occupants"}));
+      }
+      if (news.through == told_through_) return;
+      told_through_ = news.through;
+      for (const NumberedZoneEvent& event : news.events) {
+        if (!wanted(event.event)) continue;
+        world_.counters.zone_events++;
+        output_.send(event.event);
+      }
+    }
+  }
+
+  bool wanted(const ZoneEvent& event) const {
+    const auto& floors = subscription_->floors;
+    const auto& names = subscription_->tracked;
+    return (names.empty() || std::ranges::find(names, event.tracked) != names.end()) &&
+           (floors.empty() || std::ranges::find(floors, event.floor) != floors.end());
   }
 
   // A phone that left the floors asked for is shown once more, as gone, or its marker would stand there for ever.
@@ -100,8 +131,11 @@ class ObserveRole final : public RoleConversation, public std::enable_shared_fro
   SessionOutput& output_;
   const Post post_;
   const std::uint64_t key_id_;
+  const bool coarse_;
   const BuildingId building_;
+  static constexpr std::size_t kEventsAtOnce = 16;
   bool connected_ = true;
+  std::uint64_t told_through_ = 0;
   std::optional<Subscribe> subscription_;
   Duration interval_{0};
   ServerTime shown_at_;

@@ -17,6 +17,7 @@ struct Rights {
   bool observe = false;
   BuildingId building;                 ///< 0 = all
   std::optional<UnixTime> expires_at;  ///< then a fresh token must have come [C1]
+  bool coarse = false;                 ///< observes zones, never positions [C19]
 
   bool may(Role role) const { return role == Role::kTrack ? track : role == Role::kSurvey ? survey : observe; }
   bool covers(BuildingId asked) const { return building.value == 0 || building == asked; }

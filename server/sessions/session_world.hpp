@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 
+#include "admin/zone_control.hpp"
 #include "db/database_directory.hpp"
 #include "server/buildings/building_shelf.hpp"
 #include "server/sessions/live_board.hpp"
@@ -41,6 +42,7 @@ struct SessionCounters {
   Count survey_points{0};
   Count survey_refused{0};
   Count observations{0};
+  Count zone_events{0};  ///< sent to observers
   Count position_age_us{0};  ///< summed over positions: from the evidence to the answer, by the phone's clock offset
   Count apply_us{0};         ///< summed over batches: time spent in trackers
   Count batches{0};
@@ -56,6 +58,7 @@ struct SessionWorld {
   SessionCounters& counters;
   std::function<void(BuildingId)> survey_changed;  ///< a survey batch was committed; any thread
   SessionSettings settings;
+  ZoneControl* zones = nullptr;  ///< null = nobody watches zones here, and who asks for their events is told so
 };
 
 }  // namespace wayfuse

@@ -25,16 +25,20 @@ const std::map<std::string, Rooms>& allowed() {
       {"sdk/js", {"vocabulary", "sdk/motion"}},
       {"sdk/simulator", {"vocabulary", "wire", "sdk/motion", "sdk/client"}},
       {"db", {"vocabulary", "wire"}},
-      {"admin", {"vocabulary", "wire", "db"}},
+      {"admin", {"vocabulary", "wire", "db", "admin/plan"}},
+      {"admin/plan", {"vocabulary"}},
       {"server/locating", {"vocabulary"}},
       {"server/tracking", {"vocabulary"}},
       {"server/pipeline", {"vocabulary", "server/locating", "server/tracking"}},
       {"server/buildings", {"vocabulary", "server/locating", "server/pipeline", "db", "wire"}},
       {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings"}},
-      {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp"}},
+      {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp",
+                           "admin/zone_control.hpp"}},
+      {"server/zones", {"vocabulary", "wire", "db", "admin/zone_control.hpp", "admin/plan/planar.hpp"}},
+      {"server/webhooks", {"vocabulary", "wire", "db", "admin/webhook_control.hpp", "admin/zone_control.hpp"}},
       {"server/net", {"vocabulary", "wire", "server/sessions", "admin/router.hpp", "admin/http.hpp"}},
       {"server", {"vocabulary", "wire", "db", "admin", "server/pipeline", "server/buildings", "server/quality",
-                  "server/sessions", "server/net"}},
+                  "server/sessions", "server/zones", "server/webhooks", "server/net"}},
   };
   return table;
 }
@@ -51,6 +55,8 @@ bool library_allowed(const std::string& room, const fs::path& file, const std::s
   if (starts("nlohmann/")) return source && room != "vocabulary" && room != "wire" && room != "sdk/motion" && room != "server/tracking";
   if (starts("simdjson")) return false;  // tests only, as a peer
   if (starts("sqlite3")) return source && room == "db";
+  if (starts("geos")) return source && room == "admin/plan";
+  if (starts("archive")) return source && (room == "admin/plan" || room == "admin");
   if (starts("Eigen/")) return room == "server/locating" || room == "server/tracking" || (source && room == "sdk/motion");
   return true;
 }

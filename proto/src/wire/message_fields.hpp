@@ -203,6 +203,8 @@ void describe(V& v, S& event) {
   v.required("at_us", event.at, kUnixTime);
   v.required("floor", event.floor, kFloor);
   v.required("probability", event.probability, kProbability);
+  v.defaulted("id", event.id, Text{0, Limits::kKeyBytes, true});
+  v.defaulted("retracts", event.retracts, Text{0, Limits::kKeyBytes, true});
 }
 
 template <typename V, Of<TokenAccepted> S>

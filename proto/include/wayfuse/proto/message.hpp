@@ -228,6 +228,8 @@ struct ZoneEvent {
   UnixTime at;
   FloorOrdinal floor;
   double probability = 0.0;        ///< mass of the position inside the zone
+  std::string id;                  ///< names this event on this server
+  std::string retracts;            ///< the earlier event that this one takes back: the position was corrected; empty = none
   bool operator==(const ZoneEvent&) const = default;
 };
 

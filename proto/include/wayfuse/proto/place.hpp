@@ -61,6 +61,8 @@ struct Georeference {
 
 /// A closed ring without a repeated last point, metres.
 using Ring = std::vector<BuildingPoint>;
+/// An open line, metres.
+using Polyline = std::vector<BuildingPoint>;
 /// Outer ring first, then holes.
 struct Polygon {
   std::vector<Ring> rings;
@@ -74,6 +76,7 @@ struct Floor {
   std::string label;
   Polygon outline;                  ///< empty = unknown
   std::vector<Polygon> walkable;    ///< union; empty = everywhere inside the outline
+  std::vector<Polyline> walls = {}; ///< doors are gaps between them; empty = none are known
   bool operator==(const Floor&) const = default;
 };
 
