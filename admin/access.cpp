@@ -19,7 +19,7 @@ constexpr std::size_t kKeyBytes = 32;
 constexpr std::size_t kHashBytes = crypto_generichash_BYTES;
 
 Principal principal_from(const KeyRecord& record) {
-  Principal principal{record.id, record.name, {}, record.building, record.expires_at};
+  Principal principal{record.id, record.name, {}, record.building, record.expires_at, record.coarse};
   for (const std::string& name : record.scopes) {
     if (const auto scope = scope_of(name)) principal.scopes.push_back(*scope);
   }
@@ -118,7 +118,7 @@ Result<std::string> KeyRing::session_token(std::string_view bearer_key, Building
 }
 
 Result<IssuedKey> KeyRing::issue(std::string name, std::vector<Scope> scopes, BuildingId building,
-                                 std::optional<UnixTime> expires_at) {
+                                 std::optional<UnixTime> expires_at, bool coarse) {
   std::array<unsigned char, kKeyBytes> random;
   randombytes_buf(random.data(), random.size());
   std::string text(sodium_base64_encoded_len(random.size(), sodium_base64_VARIANT_URLSAFE_NO_PADDING), '\0');
@@ -134,6 +134,7 @@ Result<IssuedKey> KeyRing::issue(std::string name, std::vector<Scope> scopes, Bu
   record.building = building;
   record.created_at = clock_.wall_now();
   record.expires_at = expires_at;
+  record.coarse = coarse;
   auto stored = store_.add_key(std::move(record));
   if (!stored) return stored.fault();
   issued.record = *std::move(stored);

@@ -31,7 +31,8 @@ class KeyRing final : public Access {
   static Result<std::unique_ptr<KeyRing>> open(DatabaseDirectory& store, const Clock& clock);
 
   Result<Principal> principal_of(std::string_view bearer_token) const override;
-  Result<IssuedKey> issue(std::string name, std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires_at);
+  Result<IssuedKey> issue(std::string name, std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires_at,
+                         bool coarse = false);
   Result<void> revoke(std::uint64_t id);
   /// A token for one phone's sessions in the name of this key: see SessionToken. A building the key does not cover is
   /// kUnknownBuilding; 0 = all the key covers. Never outlives the key.

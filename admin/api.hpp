@@ -3,6 +3,8 @@
 #include "admin/access.hpp"
 #include "admin/router.hpp"
 #include "admin/server_control.hpp"
+#include "admin/webhook_control.hpp"
+#include "admin/zone_control.hpp"
 #include "db/database_directory.hpp"
 #include "wayfuse/proto/time.hpp"
 
@@ -16,7 +18,18 @@ void add_building_routes(Router& router, DatabaseDirectory& databases, ServerCon
 /// Reference points: upload, page through, export as CSV and GeoJSON; transmitters.
 void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerControl& server);
 /// Health, readiness, version, metrics, live sessions, pipelines and their parts.
-void add_operation_routes(Router& router, ServerControl& server);
+void add_operation_routes(Router& router, ServerControl& server, const ZoneControl& zones);
+/// Zones: list, make, replace, remove; who is in them; their events as server-sent events.
+void add_zone_routes(Router& router, DatabaseDirectory& databases, ZoneControl& zones, const Access& access, const Clock& clock);
+/// Runs a task some time later, off the caller's thread.
+using RunLater = std::function<void(std::function<void()>)>;
+/// Floor plans from GeoJSON and IMDF, georeference by control points, floor images.
+void add_plan_routes(Router& router, DatabaseDirectory& databases, ServerControl& server, ZoneControl& zones, RunLater run);
+/// Webhooks for zone events, their state and dead letters.
+void add_webhook_routes(Router& router, DatabaseDirectory& databases, WebhookControl& webhooks, const Clock& clock);
+/// A building's data as a whole: backup, restore, verification, export, erasure, removal; the audit.
+void add_data_routes(Router& router, DatabaseDirectory& databases, ServerControl& server, ZoneControl& zones, WebhookControl& webhooks,
+                     const Clock& clock);
 /// API keys: make (shown once), list, revoke.
 void add_key_routes(Router& router, KeyRing& keys, const Clock& clock);
 /// Session tokens: what a phone holds instead of a key.
@@ -26,6 +39,10 @@ void add_console_routes(Router& router);
 
 /// The building a path names; kUnknownBuilding where it is no number.
 Result<BuildingId> building_in(const PathValues& path);
+/// Wraps a handler that works on the building its path names.
+Handler on_building(std::function<void(BuildingId, const Request&, Respond)> handler);
+/// The number at `name` in a path; kNotFound where it is none.
+Result<std::uint64_t> id_in(const PathValues& path, const char* name);
 Response json_response(int status, std::string body);
 
 }  // namespace wayfuse

@@ -104,15 +104,6 @@ void replace_building(DatabaseDirectory& databases, ServerControl& server, Build
                   std::move(respond));
 }
 
-// Wraps a handler that works on the building its path names.
-Handler on_building(std::function<void(BuildingId, const Request&, Respond)> handler) {
-  return [handler = std::move(handler)](const Request& request, const PathValues& path, Respond respond) {
-    const auto id = building_in(path);
-    if (!id) return respond(problem(id.fault()));
-    handler(*id, request, std::move(respond));
-  };
-}
-
 }  // namespace
 
 Result<BuildingId> building_in(const PathValues& path) {
@@ -123,6 +114,24 @@ Result<BuildingId> building_in(const PathValues& path) {
     return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building"};
   }
   return id;
+}
+
+Result<std::uint64_t> id_in(const PathValues& path, const char* name) {
+  const std::string& text = path.at(name);
+  std::uint64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc{} || end != text.data() + text.size() || id == 0 || id > static_cast<std::uint64_t>(INT64_MAX)) {
+    return Fault{FaultCode::kNotFound, name, "there is no such " + std::string(name)};
+  }
+  return id;
+}
+
+Handler on_building(std::function<void(BuildingId, const Request&, Respond)> handler) {
+  return [handler = std::move(handler)](const Request& request, const PathValues& path, Respond respond) {
+    const auto id = building_in(path);
+    if (!id) return respond(problem(id.fault()));
+    handler(*id, request, std::move(respond));
+  };
 }
 
 Response json_response(int status, std::string body) {
@@ -142,7 +151,8 @@ void add_building_routes(Router& router, DatabaseDirectory& databases, ServerCon
   router.add({"GET", "/v1/buildings/{building}", Scope::kObserve, "One building with its floors",
               on_building([&](BuildingId id, const Request&, Respond respond) {
                 answer_with_building(databases, server, id, 200, std::move(respond));
-              })});
+              }),
+              false, true});
   router.add({"PUT", "/v1/buildings/{building}", Scope::kAdmin, "Replace a building's description",
               on_building([&](BuildingId id, const Request& request, Respond respond) {
                 replace_building(databases, server, id, request, std::move(respond));

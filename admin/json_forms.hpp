@@ -1,10 +1,12 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "admin/server_control.hpp"
+#include "admin/zone_control.hpp"
 #include "db/building_database.hpp"
 #include "db/database_directory.hpp"
 #include "wayfuse/proto/part.hpp"
@@ -28,10 +30,17 @@ std::string to_csv(const StoredPoint& point);
 /// One feature a point (RFC 7946). Precondition: the building is georeferenced.
 std::string to_geojson_feature(const StoredPoint& point, const Georeference& georeference);
 
+/// A zone as an operator sends it, without its id; its rings are sound.
+Result<ZoneRecord> parse_zone(std::string_view json);
+std::string to_json(const ZoneRecord& zone);
+std::string to_json(const std::vector<ZoneRecord>& zones, std::uint64_t next);
+std::string to_json(const std::vector<ZoneOccupant>& occupants);
+
 std::string to_json(const std::vector<TransmitterRecord>& transmitters);
 std::string to_json(const SurveyAck& ack);
 std::string to_json(const std::vector<PartDescription>& parts);
-std::string to_json(const std::vector<SessionSummary>& sessions);
+/// `zones` holds the names of the zones each phone is in; `coarse` leaves positions out [C19].
+std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<std::string, std::vector<std::string>>& zones, bool coarse);
 std::string to_json(const Readiness& readiness);
 std::string names_to_json(std::string_view field, const std::vector<std::string>& names);
 

@@ -1,5 +1,3 @@
-#include <charconv>
-
 #include "admin/api.hpp"
 #include "admin/json_forms.hpp"
 
@@ -11,7 +9,7 @@ void make_key(KeyRing& keys, const Clock& clock, const Request& request, Respond
   if (!wanted) return respond(problem(wanted.fault()));
   std::vector<Scope> scopes;
   for (const std::string& name : wanted->scopes) scopes.push_back(*scope_of(name));
-  const auto issued = keys.issue(wanted->name, scopes, wanted->building, wanted->expires_at);
+  const auto issued = keys.issue(wanted->name, scopes, wanted->building, wanted->expires_at, wanted->coarse);
   if (!issued) return respond(problem(issued.fault()));
   Response response = json_response(201, to_json(issued->record, issued->key));
   response.headers["cache-control"] = "no-store";
@@ -19,13 +17,9 @@ void make_key(KeyRing& keys, const Clock& clock, const Request& request, Respond
 }
 
 void revoke_key(KeyRing& keys, const PathValues& path, Respond respond) {
-  const std::string& text = path.at("key");
-  std::uint64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    return respond(problem({FaultCode::kNotFound, "key", "'" + text + "' is no key's id"}));
-  }
-  const auto revoked = keys.revoke(id);
+  const auto id = id_in(path, "key");
+  if (!id) return respond(problem(id.fault()));
+  const auto revoked = keys.revoke(*id);
   respond(revoked ? json_response(204, "") : problem(revoked.fault()));
 }
 

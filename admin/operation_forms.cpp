@@ -56,7 +56,8 @@ Json to_form(const KeyRecord& key) {
             {"scopes", key.scopes},
             {"building", key.building.value},
             {"created_at_us", key.created_at.time_since_epoch().count()},
-            {"revoked", key.revoked}};
+            {"revoked", key.revoked},
+            {"coarse", key.coarse}};
   if (key.expires_at) json["expires_at_us"] = key.expires_at->time_since_epoch().count();
   return json;
 }
@@ -86,7 +87,8 @@ std::string to_json(const std::vector<PartDescription>& parts) {
   return Json{{"parts", std::move(entries)}}.dump();
 }
 
-std::string to_json(const std::vector<SessionSummary>& sessions) {
+std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<std::string, std::vector<std::string>>& zones,
+                    bool coarse) {
   Json entries = Json::array();
   for (const SessionSummary& session : sessions) {
     Json json{{"tracked", session.tracked},
@@ -97,7 +99,9 @@ std::string to_json(const std::vector<SessionSummary>& sessions) {
               {"since_us", session.since.time_since_epoch().count()},
               {"connected", session.connected},
               {"applied_through", session.applied_through}};
-    if (session.position) json["position"] = to_json(*session.position);
+    const auto inside = zones.find(session.tracked);
+    json["zones"] = inside != zones.end() ? inside->second : std::vector<std::string>();
+    if (session.position && !coarse) json["position"] = to_json(*session.position);
     entries.push_back(std::move(json));
   }
   return Json{{"sessions", std::move(entries)}}.dump();
@@ -140,6 +144,13 @@ Result<KeyRecord> parse_key(std::string_view text, UnixTime now) {
       return Fault{FaultCode::kOutOfRange, "expires_in_s", json["expires_in_s"].dump() + " is outside 1..316224000"};
     }
     key.expires_at = now + from_seconds(in_s);
+  }
+  if (json.contains("coarse")) {
+    if (!json["coarse"].is_boolean()) return wrong("coarse", "must be true or false");
+    key.coarse = json["coarse"].get<bool>();
+    if (key.coarse && std::ranges::count(key.scopes, "admin") > 0) {
+      return Fault{FaultCode::kConflict, "coarse", "a key of scope admin reads everything; it cannot see zones only"};
+    }
   }
   return key;
 }

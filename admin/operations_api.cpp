@@ -24,32 +24,40 @@ void add_probe_routes(Router& router, ServerControl& server) {
                 response.content_type = "text/plain; version=0.0.4; charset=utf-8";
                 response.body = server.metrics();
                 respond(std::move(response));
-              }});
+              },
+              false, true});
 }
 
 }  // namespace
 
-void add_operation_routes(Router& router, ServerControl& server) {
+void add_operation_routes(Router& router, ServerControl& server, const ZoneControl& zones) {
   add_probe_routes(router, server);
   router.add({"GET", "/v1/sessions", Scope::kAdmin, "Live sessions of all buildings",
-              [&](const Request&, const PathValues&, Respond respond) { respond(json_response(200, to_json(server.sessions({})))); }});
-  router.add({"GET", "/v1/buildings/{building}/sessions", Scope::kObserve, "Live sessions in one building",
-              [&](const Request&, const PathValues& path, Respond respond) {
+              [&](const Request&, const PathValues&, Respond respond) {
+                respond(json_response(200, to_json(server.sessions({}), zones.zones_by_phone({}), false)));
+              },
+              true});
+  router.add({"GET", "/v1/buildings/{building}/sessions", Scope::kObserve, "Live sessions in one building and the zones they are in",
+              [&](const Request& request, const PathValues& path, Respond respond) {
                 const auto id = building_in(path);
                 if (!id) return respond(problem(id.fault()));
-                respond(json_response(200, to_json(server.sessions(*id))));
-              }});
+                respond(json_response(200, to_json(server.sessions(*id), zones.zones_by_phone(*id), request.coarse)));
+              },
+              true, true});
   router.add({"GET", "/v1/parts", Scope::kObserve, "Every pipeline part with its settings, units and defaults",
-              [&](const Request&, const PathValues&, Respond respond) { respond(json_response(200, to_json(server.parts()))); }});
+              [&](const Request&, const PathValues&, Respond respond) { respond(json_response(200, to_json(server.parts()))); },
+              false, true});
   router.add({"GET", "/v1/pipelines", Scope::kObserve, "Names of the pipeline presets",
               [&](const Request&, const PathValues&, Respond respond) {
                 respond(json_response(200, names_to_json("pipelines", server.presets())));
-              }});
+              },
+              false, true});
   router.add({"GET", "/v1/pipelines/{pipeline}", Scope::kObserve, "One preset: its parts and settings",
               [&](const Request&, const PathValues& path, Respond respond) {
                 auto preset = server.preset_json(path.at("pipeline"));
                 respond(preset ? json_response(200, std::move(*preset)) : problem(preset.fault()));
-              }});
+              },
+              false, true});
 }
 
 }  // namespace wayfuse

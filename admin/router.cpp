@@ -5,7 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "admin/audit_trail.hpp"
 #include "admin/bearer_token.hpp"
+#include "admin/idempotency.hpp"
 
 namespace wayfuse {
 namespace {
@@ -72,41 +74,73 @@ void Router::add(Route route) {
   routes_.push_back(std::move(route));
 }
 
-void Router::handle(const Request& request, Respond respond) const {
-  const Route* route = nullptr;
-  std::optional<PathValues> values;
-  std::string methods;
+Router::Found Router::find(const Request& request) const {
+  Found found;
   for (const Route& candidate : routes_) {
     auto matched = match(candidate.pattern, request.path);
     if (!matched) continue;
     if (candidate.method == request.method) {
-      route = &candidate;
-      values = std::move(matched);
-      break;
+      found.route = &candidate;
+      found.values = std::move(*matched);
+      return found;
     }
-    methods += (methods.empty() ? "" : ", ") + candidate.method;
+    found.methods += (found.methods.empty() ? "" : ", ") + candidate.method;
   }
-  if (!route && methods.empty()) return respond(problem({FaultCode::kNotFound, "path", "there is nothing at this path"}));
-  if (!route) {
-    Response response = problem({FaultCode::kNotFound, "method", "this path answers " + methods}, 405);
-    response.headers["Allow"] = methods;
+  return found;
+}
+
+Result<Principal> Router::admitted(const Route& route, const PathValues& values, const Request& request) const {
+  auto principal = access_.principal_of(bearer_token(request));
+  if (!principal) return principal.fault();
+  const auto building = building_in(values);
+  if (!building) return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+  if (!principal->may(route.scope, {}) && !principal->may(route.scope, principal->building)) {
+    return Fault{FaultCode::kNotAllowed, "", "the key's scope does not cover this"};
+  }
+  if (!principal->may(route.scope, *building)) {
+    // A key for one building: another one does not exist for it, and what speaks of all buildings is not its business.
+    if (building->value == 0) return Fault{FaultCode::kNotAllowed, "", "the key covers one building only"};
+    return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+  }
+  if (principal->coarse && route.scope == Scope::kObserve && !route.coarse) {
+    return Fault{FaultCode::kNotAllowed, "", "the key sees zones only"};
+  }
+  return principal;
+}
+
+void Router::handle(Request request, Respond respond) const {
+  const Found found = find(request);
+  if (!found.route && found.methods.empty()) {
+    return respond(problem({FaultCode::kNotFound, "path", "there is nothing at this path"}));
+  }
+  if (!found.route) {
+    Response response = problem({FaultCode::kNotFound, "method", "this path answers " + found.methods}, 405);
+    response.headers["Allow"] = found.methods;
     return respond(std::move(response));
   }
-  if (route->scope == Scope::kPublic) return route->handler(request, *values, std::move(respond));
-  const auto principal = access_.principal_of(bearer_token(request));
+  const Route& route = *found.route;
+  if (route.scope == Scope::kPublic) return route.handler(request, found.values, std::move(respond));
+  const auto principal = admitted(route, found.values, request);
   if (!principal) return respond(problem(principal.fault()));
-  const auto building = building_in(*values);
-  if (!building) return respond(problem({FaultCode::kUnknownBuilding, "building", "there is no such building for this key"}));
-  if (!principal->may(route->scope, {}) && !principal->may(route->scope, principal->building)) {
-    return respond(problem({FaultCode::kNotAllowed, "", "the key's scope does not cover this"}));
+  request.key_id = principal->key_id;
+  request.coarse = principal->coarse;
+  if (ledger_ && route.method == "POST") {
+    auto once = ledger_->begin(request, std::move(respond));
+    if (!once) return;
+    respond = *std::move(once);
   }
-  if (!principal->may(route->scope, *building)) {
-    // A key for one building: another one does not exist for it, and what speaks of all buildings is not its business.
-    return respond(problem(building->value != 0
-                               ? Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"}
-                               : Fault{FaultCode::kNotAllowed, "", "the key covers one building only"}));
+  const bool changes = route.method != "GET" && route.scope == Scope::kAdmin;
+  if (audit_ && (changes || route.shows_phones)) {
+    respond = audit_->held_back(route, found.values, *principal, *building_in(found.values), std::move(respond));
   }
-  route->handler(request, *values, std::move(respond));
+  route.handler(request, found.values, std::move(respond));
+}
+
+std::optional<std::size_t> Router::body_limit(const Request& header) const {
+  const Found found = find(header);
+  if (!found.route || found.route->body_bytes == 0) return std::nullopt;
+  if (found.route->scope != Scope::kPublic && !admitted(*found.route, found.values, header)) return std::nullopt;
+  return found.route->body_bytes;
 }
 
 }  // namespace wayfuse

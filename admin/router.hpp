@@ -16,6 +16,9 @@
 
 namespace wayfuse {
 
+class AuditTrail;
+class IdempotencyLedger;
+
 /// What a key may do. A route must name one: there is no default [SAFETY C1].
 enum class Scope : std::uint8_t { kPublic, kTrack, kSurvey, kObserve, kAdmin };
 
@@ -29,6 +32,9 @@ struct Route {
   Scope scope;
   std::string summary;
   Handler handler;
+  bool shows_phones = false;       ///< where phones are: each read is written into the audit before it is answered [C19]
+  bool coarse = false;             ///< open to observers that see zones only; such a handler looks at Request::coarse
+  std::size_t body_bytes = 0;      ///< longest body it takes, from a key that may call it; 0 = the server's own limit
 };
 
 /// Who is asking, once its key was found.
@@ -38,6 +44,7 @@ struct Principal {
   std::vector<Scope> scopes;
   BuildingId building;                     ///< 0 = all
   std::optional<UnixTime> expires_at;
+  bool coarse = false;                     ///< sees zones, never coordinates
   bool may(Scope scope, BuildingId on) const;
 };
 
@@ -48,16 +55,31 @@ class Access {
   virtual Result<Principal> principal_of(std::string_view bearer_token) const = 0;
 };
 
-/// Method and pattern to handler; checks the scope before the handler runs. Thread: any, immutable after set-up.
+/// Method and pattern to handler; checks the scope before the handler runs. What changes something, and what shows where
+/// phones are, is in the audit before it is answered. Thread: any, immutable after set-up.
 class Router {
  public:
-  explicit Router(const Access& access) : access_(access) {}
+  /// Without audit and ledger nothing is written down and no POST is known again: for tests of other things.
+  explicit Router(const Access& access, AuditTrail* audit = nullptr, IdempotencyLedger* ledger = nullptr)
+      : access_(access), audit_(audit), ledger_(ledger) {}
   void add(Route route);
-  void handle(const Request& request, Respond respond) const;
+  void handle(Request request, Respond respond) const;
+  /// How long a body may be that is announced by this header: more than the usual only for who may send it.
+  std::optional<std::size_t> body_limit(const Request& header) const;
   std::span<const Route> routes() const { return routes_; }
 
  private:
+  struct Found {
+    const Route* route = nullptr;
+    PathValues values;
+    std::string methods;               ///< others that this path answers
+  };
+  Found find(const Request& request) const;
+  Result<Principal> admitted(const Route& route, const PathValues& values, const Request& request) const;
+
   const Access& access_;
+  AuditTrail* const audit_;
+  IdempotencyLedger* const ledger_;
   std::vector<Route> routes_;
 };
 

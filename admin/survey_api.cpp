@@ -1,43 +1,22 @@
-#include <algorithm>
-#include <charconv>
-
 #include "admin/api.hpp"
 #include "admin/json_forms.hpp"
+#include "admin/query_values.hpp"
 #include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse {
 namespace {
 
-constexpr std::uint32_t kMostPerPage = 1000;
 constexpr std::uint32_t kPerExportStep = 500;
 
-template <typename Number>
-Result<Number> number_in(const Request& request, const char* name, Number standard, Number least, Number most) {
-  const auto found = request.query.find(name);
-  if (found == request.query.end()) return standard;
-  Number value{};
-  const char* end = found->second.data() + found->second.size();
-  const auto [stop, error] = std::from_chars(found->second.data(), end, value);
-  if (error != std::errc{} || stop != end || value < least || value > most) {
-    return Fault{FaultCode::kOutOfRange, name,
-                 "'" + found->second + "' is no number in " + std::to_string(least) + ".." + std::to_string(most)};
-  }
-  return value;
-}
-
 Result<PointQuery> point_query(const Request& request) {
+  const auto page = page_in(request);
+  if (!page) return page.fault();
+  const auto floor = floor_in(request);
+  if (!floor) return floor.fault();
   PointQuery query;
-  const auto after = number_in<std::uint64_t>(request, "after", 0, 0, INT64_MAX);
-  if (!after) return after.fault();
-  const auto most = number_in<std::uint32_t>(request, "most", 100, 1, kMostPerPage);
-  if (!most) return most.fault();
-  query.after_id = *after;
-  query.most = *most;
-  if (request.query.contains("floor")) {
-    const auto floor = number_in<std::int32_t>(request, "floor", 0, -100, 300);
-    if (!floor) return floor.fault();
-    query.floor = FloorOrdinal{*floor};
-  }
+  query.after_id = page->after;
+  query.most = page->most;
+  query.floor = *floor;
   return query;
 }
 

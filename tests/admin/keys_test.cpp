@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "tests/admin/running_api.hpp"
 
 namespace wayfuse {
@@ -58,11 +60,23 @@ TEST(Access, HoldsOverTheWholeMatrixOfRoutesScopesAndBuildings) {
   RunningApi api;
   ASSERT_EQ(api.ask("POST", "/v1/buildings", api.admin, R"({"name":"One"})").status, 201);
   ASSERT_EQ(api.ask("POST", "/v1/buildings", api.admin, R"({"name":"Two"})").status, 201);
+  ASSERT_EQ(api.ask("POST", "/v1/buildings/1/zones", api.admin, R"({"name":"Z","floor":0,"region":[[[0,0],[9,0],[9,9]]]})").status, 201);
+  ASSERT_EQ(api.ask("POST", "/v1/buildings/1/webhooks", api.admin, R"({"url":"https://example.org/"})").status, 201);
+  ASSERT_EQ(api.ask("PUT", "/v1/buildings/1/floors", api.admin, R"({"floors":[{"ordinal":0,"outline":[[[0,0],[9,0],[9,9]]]}]})").status, 200);
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x01\x40\0\0\0\xf0", 24);
+  ASSERT_EQ(api.ask("PUT", "/v1/buildings/1/floors/0/image", api.admin, png).status, 200);
   const Scope scopes[] = {Scope::kTrack, Scope::kSurvey, Scope::kObserve, Scope::kAdmin};
   int refused = 0, passed = 0;
   for (const Scope held : scopes) {
     const std::string key = api.issue({held}, {1});
-    for (const Route& route : api.router->routes()) {
+    std::vector<const Route*> routes;
+    for (const Route& route : api.router->routes()) routes.push_back(&route);
+    // What removes comes last, the building itself at the very end.
+    std::ranges::stable_sort(routes, {}, [](const Route* route) {
+      return route->method != "DELETE" ? 0 : route->pattern == "/v1/buildings/{building}" ? 2 : 1;
+    });
+    for (const Route* one : routes) {
+      const Route& route = *one;
       if (route.scope == Scope::kPublic) continue;
       std::string path = route.pattern;
       const bool on_building = path.find("{building}") != std::string::npos;
@@ -70,7 +84,8 @@ TEST(Access, HoldsOverTheWholeMatrixOfRoutesScopesAndBuildings) {
         if (const auto at = text.find(name); at != std::string::npos) text.replace(at, name.size(), value);
         return text;
       };
-      path = fill(fill(path, "{pipeline}", "p1"), "{key}", "12345");
+      path = fill(fill(fill(path, "{pipeline}", "p1"), "{key}", "12345"), "{zone}", "1");
+      path = fill(fill(path, "{floor}", "0"), "{webhook}", "1");
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "").status, 401) << route.pattern;
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "wf_wrong").status, 401) << route.pattern;
       if (held != route.scope) {

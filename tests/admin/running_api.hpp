@@ -6,8 +6,13 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "admin/api.hpp"
+#include "admin/audit_trail.hpp"
+#include "admin/idempotency.hpp"
+#include "server/webhooks/webhook_sender.hpp"
+#include "server/zones/zone_watch.hpp"
 
 namespace wayfuse {
 
@@ -55,6 +60,7 @@ class RunningApi {
     std::string body;
     std::map<std::string, std::string> headers;
     std::string content_type;
+    std::shared_ptr<BodySource> stream;
     nlohmann::json json() const { return nlohmann::json::parse(body); }
   };
 
@@ -69,10 +75,18 @@ class RunningApi {
     auto ring = KeyRing::open(*store, clock);
     if (!ring) throw std::runtime_error(to_string(ring.fault()));
     keys = std::move(*ring);
-    router = std::make_unique<Router>(*keys);
+    audit = std::make_unique<AuditTrail>(*store, clock);
+    ledger = std::make_unique<IdempotencyLedger>(clock);
+    router = std::make_unique<Router>(*keys, audit.get(), ledger.get());
+    zones = std::make_unique<ZoneWatch>(*store, clock, 1000, ZoneRules{});
     add_building_routes(*router, *store, server);
     add_survey_routes(*router, *store, server);
-    add_operation_routes(*router, server);
+    add_operation_routes(*router, server, *zones);
+    add_zone_routes(*router, *store, *zones, *keys, clock);
+    webhooks = std::make_unique<WebhookSender>(*store, *zones, clock, WebhookSettings{}, 1);
+    add_plan_routes(*router, *store, server, *zones, [](std::function<void()> task) { task(); });
+    add_webhook_routes(*router, *store, *webhooks, clock);
+    add_data_routes(*router, *store, server, *zones, *webhooks, clock);
     add_key_routes(*router, *keys, clock);
     add_session_token_routes(*router, *keys);
     add_console_routes(*router);
@@ -83,8 +97,8 @@ class RunningApi {
     std::filesystem::remove_all(folder);
   }
 
-  std::string issue(std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires = {}) {
-    return keys->issue("test", std::move(scopes), building, expires)->key;
+  std::string issue(std::vector<Scope> scopes, BuildingId building, std::optional<UnixTime> expires = {}, bool coarse = false) {
+    return keys->issue("test", std::move(scopes), building, expires, coarse)->key;
   }
 
   Answer ask(const std::string& method, std::string path, const std::string& key, std::string body = {},
@@ -93,9 +107,11 @@ class RunningApi {
     request.headers = std::move(headers);
     request.method = method;
     if (const auto mark = path.find('?'); mark != std::string::npos) {
-      const std::string query = path.substr(mark + 1);
-      const auto equals = query.find('=');
-      request.query[query.substr(0, equals)] = query.substr(equals + 1);
+      std::istringstream query(path.substr(mark + 1));
+      for (std::string pair; std::getline(query, pair, '&');) {
+        const auto equals = std::min(pair.find('='), pair.size());
+        request.query[pair.substr(0, equals)] = equals < pair.size() ? pair.substr(equals + 1) : "";
+      }
       path.resize(mark);
     }
     request.path = path;
@@ -104,7 +120,7 @@ class RunningApi {
     std::optional<Response> response;
     router->handle(request, [&](Response answer) { response = std::move(answer); });
     if (!response) throw std::logic_error(method + " " + path + " was not answered");
-    return {response->status, response->body, response->headers, response->content_type};
+    return {response->status, response->body, response->headers, response->content_type, response->stream};
   }
 
   std::filesystem::path folder;
@@ -112,6 +128,10 @@ class RunningApi {
   FakeServer server;
   std::unique_ptr<DatabaseDirectory> store;
   std::unique_ptr<KeyRing> keys;
+  std::unique_ptr<AuditTrail> audit;
+  std::unique_ptr<IdempotencyLedger> ledger;
+  std::unique_ptr<ZoneWatch> zones;
+  std::unique_ptr<WebhookSender> webhooks;  // not started: it keeps its queue
   std::unique_ptr<Router> router;
   std::string admin;
 

@@ -13,6 +13,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzzing::demand(again.has_value(), "a building is taken as it is shown", again ? "" : to_string(again.fault()));
   }
   if (const auto floors = parse_floors(text); !floors) fuzzing::fault_is_presentable(floors.fault());
+  const auto zone = parse_zone(text);
+  if (!zone) {
+    fuzzing::fault_is_presentable(zone.fault());
+  } else {
+    fuzzing::demand(parse_zone(to_json(*zone)).has_value(), "a zone is taken as it is shown");
+  }
   const auto key = parse_key(text, UnixTime(Duration(1'700'000'000'000'000)));
   if (!key) {
     fuzzing::fault_is_presentable(key.fault());

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "db/audit_record.hpp"
+#include "db/building_database.hpp"
+
+/// The JSON of what is done with data as a whole.
+namespace wayfuse {
+
+struct Erasure {
+  std::uint64_t points = 0;
+  bool log_emptied = false;                  ///< false = a reader held the log: the bytes go at the next checkpoint
+  std::vector<std::uint64_t> radio_maps;     ///< versions built before, which hold what was learnt from the points
+};
+
+std::string to_json(const VerifyReport& report);
+std::string to_json(const Erasure& erasure);
+std::string to_json(const std::vector<AuditRecord>& lines, std::uint64_t next);
+
+}  // namespace wayfuse
