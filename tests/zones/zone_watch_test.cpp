@@ -18,9 +18,9 @@ class ZoneWatchTest : public testing::Test {
     options.own_thread = false;
     store = *DatabaseDirectory::open(folder.path(), options);
     for (const char* name : {"One", "Two"}) {
-      BuildingRecord building;
-      building.name = name;
-      store->create_building(building, [](Result<BuildingRecord> made) { ASSERT_TRUE(made); });
+      BuildingRecord record;
+      record.name = name;
+      store->create_building(record, [](Result<BuildingRecord> made) { ASSERT_TRUE(made); });
     }
     watch.emplace(*store, clock, 7, ZoneRules{});
     put_zone(zone(0, "Room", 10));
