@@ -39,9 +39,9 @@ class DirectionMeasurement final : public MeasurementModel {
 };
 
 /// Speed resolved by the azimuth into two velocities, along the heading and across it: linear in the state, z = (v, 0)
-/// [P5 eq. 4]. A heading error e shortens what v contributes along the true way by 1 - cos e, always the same way: with noisy
-/// headings a filter that measures this walks too slowly, by exp(-sigma^2 / 2) in the mean; measuring speed and direction
-/// apart does not.
+/// [P5 eq. 4]. With a heading error e the true velocity reaches only v cos e along the heading, always less than v: a filter that
+/// believes speeds more than headings makes up for it and walks too fast (7 % at 27 degrees and 0.2 m/s); measuring speed and
+/// direction apart does not.
 class ResolvedVelocityMeasurement final : public MeasurementModel {
  public:
   ResolvedVelocityMeasurement(double speed_mps, double speed_sigma_mps, double heading_rad, double heading_sigma_rad);
