@@ -1,4 +1,4 @@
-import { Building2, KeyRound, LogOut, MapPinned, Moon, Navigation, Sun } from 'lucide-preact';
+import { Building2, FileStack, KeyRound, LogOut, MapPinned, Moon, Navigation, ScrollText, Shapes, Sun } from 'lucide-preact';
 import type { ComponentType } from 'preact';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { StandingContext, type Standing } from './context';
@@ -7,11 +7,14 @@ import { listenToInks } from './map/inks';
 import { Empty, Fault, Loading, Notice, type Tone } from './parts/parts';
 import { go, hashOf, useRoute } from './route';
 import { isDark, switchTheme } from './theme';
+import { Audit } from './views/audit';
 import { Buildings } from './views/buildings';
+import { FloorPlans } from './views/floor_plans';
 import { Keys } from './views/keys';
 import { Live } from './views/live';
 import { SignIn } from './views/sign_in';
 import { Survey } from './views/survey';
+import { Zones } from './views/zones';
 import { tabKey } from './wire/api';
 import { Observer, type LinkState } from './wire/observer';
 import type { Building, BuildingSummary, ZoneEvent } from './wire/shapes';
@@ -24,9 +27,12 @@ const view = (name: string, title: string, short: string, icon: unknown, show: C
 
 const kViews: View[] = [
   view('live', 'Live', 'Live', Navigation, Live),
+  view('zones', 'Zones', 'Zones', Shapes, Zones),
   view('survey', 'Survey', 'Survey', MapPinned, Survey),
+  view('plans', 'Floor plans', 'Plans', FileStack, FloorPlans),
   view('buildings', 'Buildings', 'Buildings', Building2, Buildings, false),
   view('keys', 'Keys', 'Keys', KeyRound, Keys, false),
+  view('audit', 'Audit', 'Audit', ScrollText, Audit, false),
 ];
 
 export function Console() {

@@ -105,6 +105,7 @@ function drawPlan(map: L.Map | null, floor: Floor | undefined): (() => void) | u
   const plan = L.layerGroup();
   if (floor.outline.length) plan.addLayer(shape(floor.outline, floor.walkable.length ? 'plan-closed' : 'plan-open'));
   for (const polygon of floor.walkable) plan.addLayer(shape(polygon, 'plan-open'));
+  for (const wall of floor.walls ?? []) plan.addLayer(L.polyline(wall.map(toLatLng), { pane: 'plan', className: 'plan-wall', interactive: false }));
   if (floor.outline.length) plan.addLayer(shape(floor.outline, 'plan-outline'));
   plan.addTo(map);
   return () => plan.remove();

@@ -10,7 +10,7 @@ import { useAnswer } from '../wire/use_answer';
 
 interface Storey { ordinal: string; label: string; width: string; depth: string; known: Floor | null }
 interface Draft {
-  name: string; pipeline: string;
+  name: string; pipeline: string; publication: string;
   latitude: string; longitude: string; azimuth: string;
   declination: string; dip: string; norm: string;
   storeys: Storey[];
@@ -22,7 +22,7 @@ const text = (value: number | undefined) => (value === undefined ? '' : String(v
 function draftOf(building: Building | null): Draft {
   const geo = building?.georeference;
   return {
-    name: building?.name ?? '', pipeline: building?.pipeline ?? 'default',
+    name: building?.name ?? '', pipeline: building?.pipeline ?? 'default', publication: building?.publication ?? '',
     latitude: text(geo?.origin.latitude_deg), longitude: text(geo?.origin.longitude_deg), azimuth: text(geo?.y_axis_azimuth_deg),
     declination: text(building?.magnetic_field.declination_deg), dip: text(building?.magnetic_field.dip_deg), norm: text(building?.magnetic_field.norm_ut),
     storeys: building
@@ -34,7 +34,8 @@ function draftOf(building: Building | null): Draft {
 function floorOf({ ordinal, label, width, depth, known }: Storey): Floor {
   const [w, d] = [Number(width), Number(depth)];
   const outline: Floor['outline'] = known ? known.outline : w > 0 && d > 0 ? [[[0, 0], [w, 0], [w, d], [0, d]]] : [];
-  return { ordinal: Number(ordinal), label: label.trim(), outline, walkable: known?.walkable ?? [] };
+  // What this form does not show (walls, ..) stays as it was.
+  return { walkable: [], ...known, ordinal: Number(ordinal), label: label.trim(), outline };
 }
 
 /// The document POST and PUT take (admin/README.md); what is empty is left out.
@@ -43,6 +44,7 @@ export function documentOf(draft: Draft): object {
   return {
     name: draft.name.trim(),
     pipeline: draft.pipeline,
+    ...(draft.publication && { publication: draft.publication }),
     ...(georeferenced && {
       georeference: {
         origin: { latitude_deg: Number(draft.latitude), longitude_deg: Number(draft.longitude) },
@@ -83,6 +85,13 @@ export function BuildingForm({ building, title, onClose, onDone }: FormProps) {
             {(pipelines.data?.pipelines ?? [draft.pipeline]).map((name) => <option key={name} value={name}>{name}</option>)}
           </select>
         </label>
+        {draft.publication && (
+          <label class="field"><span>New radio maps</span>
+            <select value={draft.publication} onChange={(event) => set({ publication: event.currentTarget.value })}>
+              <option value="automatic">In force at once</option><option value="reviewed">After review</option>
+            </select>
+          </label>
+        )}
       </div>
       <Storeys storeys={draft.storeys} onChange={(storeys) => set({ storeys })} />
       <div class="field">

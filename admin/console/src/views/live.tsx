@@ -5,12 +5,15 @@ import { useBuilding } from '../context';
 import { shownAt, type Phone } from '../live/phones';
 import { usePhones } from '../live/use_phones';
 import { FloorMap, toLatLng } from '../map/floor_map';
+import { useFloorImage } from '../map/image_layer';
 import { listenToInks } from '../map/inks';
 import { PhoneLayer } from '../map/phone_layer';
+import { zoneLayer } from '../map/zone_layer';
 import { Badge, Empty, Notice } from '../parts/parts';
 import { metres, plural } from '../parts/words';
 import { hashOf } from '../route';
 import type { Integrity, Session } from '../wire/shapes';
+import type { Zone } from '../wire/zone_shapes';
 import { useAnswer } from '../wire/use_answer';
 import { PhoneCard } from './phone_card';
 
@@ -25,6 +28,7 @@ export function Live() {
   const [tracks, setTracks] = useState(true);
   const [inner, setInner] = useState(true);
   const [outer, setOuter] = useState(true);
+  const [showZones, setShowZones] = useState(true);
   usePhones(phones);
   const sessions = useAnswer<{ sessions: Session[] }>(`/v1/buildings/${building.id}/sessions`, 5000);
   const layer = useMemo(() => (map ? new PhoneLayer(map, phones) : null), [map]);
@@ -34,6 +38,14 @@ export function Live() {
     return () => { deaf(); layer.remove(); };
   }, [layer]);
   useEffect(() => layer?.show({ floor, chosen, tracks, inner, outer }), [layer, floor, chosen, tracks, inner, outer]);
+
+  const zones = useAnswer<{ zones: Zone[] }>(`/v1/buildings/${building.id}/zones?most=1000`);
+  useFloorImage(map, building.id, floor);
+  useEffect(() => {
+    if (!map || !showZones) return;
+    const group = zoneLayer((zones.data?.zones ?? []).filter((zone) => zone.floor === floor), null, true).addTo(map);
+    return () => { group.remove(); };
+  }, [map, zones.data, floor, showZones]);
 
   const phone = chosen ? phones.byName.get(chosen) ?? null : null;
   const there = phone?.position.place;
@@ -65,6 +77,9 @@ export function Live() {
           <label class="check"><input type="checkbox" checked={inner} onChange={() => setInner(!inner)} />68 %</label>
           <label class="check"><input type="checkbox" checked={outer} onChange={() => setOuter(!outer)} />95 %</label>
           <label class="check"><input type="checkbox" checked={tracks} onChange={() => setTracks(!tracks)} />Last minute’s track</label>
+          {zones.data && zones.data.zones.length > 0 && (
+            <label class="check"><input type="checkbox" checked={showZones} onChange={() => setShowZones(!showZones)} />Zones</label>
+          )}
         </div>
         {building.floors.length === 0 && (
           <div class="map-message"><Empty title="No floor plan yet">

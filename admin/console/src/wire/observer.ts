@@ -39,7 +39,7 @@ export class Observer {
     socket.onopen = () => {
       const say = (message: object) => socket.send(JSON.stringify(message));
       say({ type: 'hello', role: 'observe', building: this.building, token: tabKey.get(), app: 'wayfuse console', phone_time_us: 0 });
-      say({ type: 'subscribe', min_interval_us: kIntervalUs });
+      say({ type: 'subscribe', min_interval_us: kIntervalUs, zone_events: true });
     };
     socket.onmessage = ({ data }) => this.socket === socket && this.receive(JSON.parse(data as string));
     socket.onclose = () => this.socket === socket && this.lost();

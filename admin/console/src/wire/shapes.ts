@@ -4,7 +4,7 @@
 export type Point = [number, number];
 export type Ring = Point[];
 
-export interface Floor { ordinal: number; label: string; outline: Ring[]; walkable: Ring[][] }
+export interface Floor { ordinal: number; label: string; outline: Ring[]; walkable: Ring[][]; walls?: Point[][] }
 
 export interface BuildingSummary { id: number; name: string; pipeline: string; survey_version: number }
 
@@ -13,6 +13,7 @@ export interface Building extends BuildingSummary {
   points: number;
   georeference?: { origin: { latitude_deg: number; longitude_deg: number }; y_axis_azimuth_deg: number };
   magnetic_field: { declination_deg: number; dip_deg: number; norm_ut: number };
+  publication?: 'automatic' | 'reviewed';   // whether a new radio map comes into force by itself
   floors: Floor[];
 }
 

@@ -1,0 +1,128 @@
+"""What an operator does in each view, and what must then be seen. Every check begins in its view and leaves no dialog open."""
+
+import json
+
+import page_checks
+
+# How much of a canvas layer is painted, by its own pixels.
+PAINTED = """(() => { const c = document.querySelector('canvas[data-layer=%s]'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+  let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n / (d.length / 4); })()"""
+
+# Preact listens to `input` and `change`; a value set by script alone is not seen.
+FILL = """((selector, value) => { const e = document.querySelector(selector);
+  Object.getOwnPropertyDescriptor(Object.getPrototypeOf(e), 'value').set.call(e, value);
+  e.dispatchEvent(new Event('input', { bubbles: true })); e.dispatchEvent(new Event('change', { bubbles: true })); })(%s, %s)"""
+
+ROOM = """{"type": "FeatureCollection", "features": [
+  {"type": "Feature", "properties": {"kind": "floor", "floor": 0, "label": "Ground"},
+   "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [60, 0], [60, 32], [0, 32], [0, 0]]]}},
+  {"type": "Feature", "properties": {"kind": "room", "floor": 0, "name": "Lab"},
+   "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [10, 0], [10, 7], [0, 7], [0, 0]]]}}]}"""
+
+
+def fill(selector, value):
+    return FILL % (json.dumps(selector), json.dumps(value))
+
+
+def click(text, inside="document"):
+    return f"[...{inside}.querySelectorAll('button, a')].find((b) => b.textContent.trim() === {json.dumps(text)}).click()"
+
+
+def says(text):
+    return f"document.body.innerText.includes({json.dumps(text)})"
+
+
+async def live(page, system):
+    await page.until("document.getElementById('count')?.textContent === '5'")
+    await page.until("document.getElementById('link').textContent === 'Live'")
+    assert await page.run("document.querySelectorAll('.floor-switch input').length") == 2
+    assert await page.run("document.querySelectorAll('path.plan-open').length") > 10, "the walkable areas are drawn"
+    await page.until(f"{PAINTED % 'phones'} > 0.0001")
+    where = "[...document.querySelectorAll('#phones tr')].map((r) => r.textContent).join()"
+    before = await page.run(where)
+    await page.until(f"{where} !== {json.dumps(before)}")  # the phones move
+    await page.run("document.querySelector('#phones button').click()")
+    await page.until(says("What the fix rests on"))
+    assert await page.run("Number([...document.querySelectorAll('dt')].find((e) => e.textContent === 'Access points used').nextSibling.textContent)") > 0
+    await page.until(says("wayfuse-phone"))  # the session's own data, from the API
+
+
+async def zones(page, system):
+    await page.until(says("No zone yet"))
+    await page.run(click("Draw a zone"))
+    await page.until("document.getElementById('zone-name')")
+    await page_checks.hold(page, "new zone")
+    for x, y in ((500, 300), (900, 300), (900, 700), (500, 700), (500, 700)):  # the last corner again ends the drawing
+        await page.click_at(x, y)
+    await page.until("document.getElementById('zone-corners').value.split('\\n').length === 4")
+    await page.run(fill("#zone-corners", "0, 0\n60, 0\n60, 32\n0, 32"))
+    await page.run(fill("#zone-name", "Everywhere"))
+    await page.run(click("Create zone"))
+    await page.until("document.querySelector('#zones tr') && document.querySelector('path.zone.chosen')")
+    await page.until("document.querySelector('#zone-events li')")  # those who are there have entered
+    await page.until("Number(document.querySelector('.big-fact dd').textContent) > 0")
+    await page.run(click("Edit"))
+    await page.until("document.querySelectorAll('.leaflet-vertex-icon').length === 4")
+    await page.run(fill("#zone-name", "The whole floor"))
+    await page.run(click("Save"))
+    await page.until("document.querySelector('#zones tr')?.dataset.name === 'The whole floor'")
+
+
+async def survey(page, system):
+    await page.until(f"document.querySelector('canvas[data-layer=points]') && {PAINTED % 'points'} > 0.0003")
+    await page.run("document.querySelector('.choice input[value=level]').click()")
+    await page.until("document.querySelector('.side select')?.options.length > 5")
+    await page.until(says("Level, dBm"))
+
+
+async def plans(page, system):
+    file = system.folder + "/plan.geojson"
+    with open(file, "w") as out:
+        out.write(ROOM)
+    await page.until("document.getElementById('plan-file')")
+    await page.choose_file("#plan-file", file)
+    await page.run(fill(".side .fields label:nth-child(2) select", "local"))
+    await page.run(click("Check"))
+    await page.until("document.getElementById('plan-report')")
+    assert await page.run(says("Nothing is stored yet"))
+    await page_checks.hold(page, "plan report")
+
+
+async def buildings(page, system):
+    await page.until("document.querySelectorAll('[data-building]').length === 1")
+    await page.run(click("New building"))
+    await page.until("document.querySelector('#building-name')")
+    await page_checks.hold(page, "new building")
+    await page.run(fill("#building-name", "Annexe"))
+    await page.run(click("Create building"))
+    await page.until("location.hash.endsWith('/survey') && document.querySelector('.building-choice select').selectedOptions[0]?.text === 'Annexe'")
+    await page.until(says("This floor is not surveyed"))
+
+
+async def keys(page, system):
+    await page.until("document.querySelectorAll('[data-key]').length === 1")
+    await page.run(click("New key"))
+    await page.until("document.querySelector('dialog[open] #key-name')")
+    await page_checks.hold(page, "new key")
+    await page.run(fill("#key-name", "Visitor app"))
+    await page.run(click("Create key"))
+    await page.until("document.getElementById('secret')")
+    secret = await page.run("document.getElementById('secret').textContent")
+    assert secret.startswith("wf_") and len(secret) == 46, secret
+    await page.run(click("I have kept it"))
+    await page.until("document.querySelectorAll('[data-key]').length === 2")
+    assert not await page.run(f"document.documentElement.outerHTML.includes({json.dumps(secret)})"), "a key is shown once"
+    await page.run("[...document.querySelectorAll('[data-key]')].find((r) => r.innerText.includes('Visitor app')).querySelector('button').click()")
+    await page.until("document.querySelector('dialog[open]')")
+    await page.run(click("Revoke", "document.querySelector('dialog')"))
+    await page.until("document.querySelectorAll('[data-key]').length === 1")
+
+
+async def audit(page, system):
+    await page.until("document.querySelectorAll('tbody tr').length > 3")
+    await page.until(says("first"))  # the key's name, not its number
+
+
+# In the order an operator meets them; each is also looked at on every screen.
+VIEWS = {"live": live, "zones": zones, "survey": survey, "plans": plans, "buildings": buildings,
+         "keys": keys, "audit": audit}
