@@ -62,7 +62,7 @@ async def zones(page, system):
     await page.until("document.querySelector('#zone-events li')")  # those who are there have entered
     await page.until("Number(document.querySelector('.big-fact dd').textContent) > 0")
     await page.run(click("Edit"))
-    await page.until("document.querySelectorAll('.leaflet-vertex-icon').length === 4")
+    await page.until("document.querySelectorAll('.leaflet-vertex-icon').length === 4 && document.getElementById('zone-name')")
     await page.run(fill("#zone-name", "The whole floor"))
     await page.run(click("Save"))
     await page.until("document.querySelector('#zones tr')?.dataset.name === 'The whole floor'")
