@@ -59,6 +59,7 @@ std::shared_ptr<const LocatorModel> radio_field(const LocatingSite& site, const 
   settings.strength.power = s["power"];
   settings.neutral = s["neutral"];
   settings.floor_gain = s["floor_gain"];
+  settings.delay_s = s["delay_s"];
   settings.learn = s.on("learn");
   return std::make_shared<RadioField>(site.survey, settings);
 }
@@ -98,9 +99,10 @@ std::span<const LocatorRow> locator_catalogue() {
                    {"strongest", 16, 1, 64, "transmitters used, the strongest first", "[P1]", true}}},
                  propagation},
       LocatorRow{{"locator", "radio-field", "a field of likelihood over merged radios: Sorensen times cosine, weights learnt from the survey",
-                  {{"power", kField.strength.power, 0.5, 8, "of the level's representation; larger listens to near transmitters only", "-"},
+                  {{"power", kField.strength.power, 0, 8, "of the level's representation, 0: learnt from the survey; larger listens to near transmitters only", "-"},
                    {"neutral", kField.neutral, 0.001, 10, "kernel mass of unsurveyed ground; larger trusts sparse surveys less", "-"},
                    {"floor_gain", kField.floor_gain, 0, 100, "log odds of floors a unit of distance; larger makes errors stick", "-"},
+                   {"delay_s", kField.delay_s, -1, 10, "how much later than its stamp a reading belongs; below 0: learnt from the survey's walks", "-"},
                    {"learn", 1, 0, 1, "0: the weights stay as they are written", "-", true}}},
                  radio_field, true, false, true},
       LocatorRow{{"locator", "similarity", "neighbours by what both heard: Sorensen and cosine of powed levels",

@@ -13,6 +13,9 @@ constexpr double kLeastWeight = 1.0;
 constexpr double kMostWeight = 100.0;
 constexpr float kCovered_m = 3.0f;       // a scan with no other walk this near cannot be told anything by the field
 constexpr double kIrrelevant = -16.0;
+constexpr double kAlike = 5.0;           // queries of one walk that say as much as one
+constexpr double kDelay_s = 1.5;         // of readings, before the survey is heard
+constexpr double kDelaySigma_s = 1.0;
 constexpr std::size_t kFewestQuestions = 10;  // fewer say nothing about errors
 
 struct Question {
@@ -121,16 +124,52 @@ struct Slope {
 
 }  // namespace
 
+double log_fit(const RadioField& field, std::size_t most_queries) {
+  const std::size_t step = std::max<std::size_t>(1, field.queries().size() / most_queries);
+  const auto scratch = field.borrow();
+  const std::array<double, 2> weight = {field.weights().sorensen, field.weights().cosine};
+  Question question;
+  double sum = 0.0;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i < field.queries().size(); i += step) {
+    if (!ask(field, field.queries()[i], *scratch, question)) continue;
+    double highest = -INFINITY, total = 0.0;
+    for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
+    for (const RadioField::Pair& pair : question.nodes) total += std::exp(level_of(pair, weight) - highest);
+    sum += level_of(question.nodes[question.truth], weight) - highest - std::log(total);
+    ++asked;
+  }
+  // A mean times the queries there are: another delay may leave one more or one less of them on surveyed ground.
+  return asked == 0 ? 0.0 : sum / static_cast<double>(asked) * static_cast<double>(field.queries().size()) / kAlike;
+}
+
+double likeliest_delay_s(std::span<const double> delays_s, std::span<const double> fits) {
+  const auto score = [&](std::size_t i) { return fits[i] - std::pow((delays_s[i] - kDelay_s) / kDelaySigma_s, 2) / 2; };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < fits.size(); ++i) best = score(i) > score(best) ? i : best;
+  const std::size_t middle = std::clamp<std::size_t>(best, 1, fits.size() - 2);
+  const double a = score(middle - 1), b = score(middle), c = score(middle + 1);
+  const double bend = a - 2.0 * b + c;
+  const double step_s = delays_s[middle + 1] - delays_s[middle];
+  if (!(bend < 0.0)) return delays_s[best];
+  return std::clamp(delays_s[middle] + step_s * (a - c) / (2.0 * bend), delays_s.front(), delays_s.back());
+}
+
 FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   FieldWeights learnt = field.weights();
   const FieldWeights standard;
   const std::size_t step = std::max<std::size_t>(1, field.queries().size() / most_queries);
   std::vector<Question> questions;
+  std::vector<double> loudness;
   {
     const auto scratch = field.borrow();
     Question question;
     for (std::size_t i = 0; i < field.queries().size(); i += step) {
-      if (ask(field, field.queries()[i], *scratch, question)) questions.push_back(question);
+      const SurveyQuery& query = field.queries()[i];
+      if (!ask(field, query, *scratch, question)) continue;
+      questions.push_back(question);
+      const auto storey = std::ranges::find(field.storeys(), query.place.floor, &RadioField::Storey::floor);
+      if (const auto ratio = field.loudness(query.heard, *storey, query.place.point, query.walk)) loudness.push_back(*ratio);
     }
   }
   std::array<double, 2> weight = {learnt.sorensen, learnt.cosine};
@@ -138,8 +177,7 @@ FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   for (int round = 0; round < kRounds && !questions.empty(); ++round) {
     Slope slope;
     for (const Question& question : questions) slope.add(question, weight);
-    // The questions of one walk are answered alike: count them as a fifth of their number against the prior.
-    const double precision = 5.0 / (kPriorSigma * kPriorSigma);
+    const double precision = kAlike / (kPriorSigma * kPriorSigma);
     for (int k = 0; k < 2; ++k) slope.gradient[k] -= precision * (weight[k] - prior[k]);
     const double a = slope.curvature[0] + precision, b = slope.curvature[1], d = slope.curvature[2] + precision;
     const double determinant = a * d - b * b;
@@ -150,6 +188,7 @@ FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   learnt.sorensen = weight[0];
   learnt.cosine = weight[1];
   if (questions.size() < kFewestQuestions) return learnt;
+  if (loudness.size() >= kFewestQuestions) learnt.loudness = quantile(loudness, 0.5);
   std::vector<double> errors_m, distances;
   for (const Question& question : questions) {
     errors_m.push_back(error_m(question, weight));

@@ -1,6 +1,7 @@
 #include "server/locating/radio_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/locating/field_learning.hpp"
@@ -12,6 +13,13 @@ namespace {
 constexpr float kLeastMass = 0.01f;      // of a kernel: three sigmas away
 constexpr std::size_t kMiddleSamples = 40;
 constexpr std::size_t kMostSpare = 64;
+constexpr double kAround_m = 4.0;            // of a point: fingerprints that hear what is heard there
+constexpr int kFewestShared = 3;
+// Tried on the survey.
+constexpr std::array kDelays_s = {0.0, 1.0, 2.0, 3.0};
+constexpr std::array kPowers = {2.72, 1.6, 1.0};
+constexpr double kClearlyBetter = 2.0;       // log-likelihood by which another power must win
+constexpr std::size_t kQuickQueries = 200;
 
 float median(std::vector<float>& values) {
   if (values.empty()) return 1.0f;
@@ -26,10 +34,39 @@ RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldS
   const auto read = [&] {
     take(read_survey(survey, {.strength = settings_.strength, .delay_s = weights_.delay_s, .spacing_s = settings_.spacing_s}));
   };
+  if (settings_.delay_s >= 0.0) weights_.delay_s = settings_.delay_s;
+  if (settings_.strength.power <= 0.0) settings_.strength.power = settings_.learn ? learn_power(read) : kPowers.front();
+  if (settings_.delay_s < 0.0 && settings_.learn) weights_.delay_s = learn_delay_s(read);
   read();
   if (!settings_.learn || queries_.empty()) return;
   weights_ = learn_weights(*this);
   lay_lattice();
+}
+
+// The representation that explains the survey's own scans best, each judged with the weights it would get.
+double RadioField::learn_power(const std::function<void()>& read) {
+  double best = 0.0, highest = -INFINITY;
+  const FieldWeights standard = weights_;
+  for (const double power : kPowers) {
+    settings_.strength.power = power;
+    weights_ = standard;
+    read();
+    weights_ = learn_weights(*this, kQuickQueries);
+    const double fit = log_fit(*this, kQuickQueries);
+    if (fit > highest + kClearlyBetter) best = power, highest = fit;
+  }
+  weights_ = standard;
+  return best;
+}
+
+double RadioField::learn_delay_s(const std::function<void()>& read) {
+  std::array<double, kDelays_s.size()> fit;
+  for (std::size_t i = 0; i < kDelays_s.size(); ++i) {
+    weights_.delay_s = kDelays_s[i];
+    read();
+    fit[i] = log_fit(*this, kQuickQueries);
+  }
+  return likeliest_delay_s(kDelays_s, fit);
 }
 
 std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<RadioFieldLocator>(shared_from_this()); }
@@ -183,6 +220,31 @@ bool RadioField::heard_near(std::uint32_t radio, const Storey& storey, BuildingP
                       distance_m(fingerprints_[i].place.point, point) < around_m);
   });
   return heard;
+}
+
+std::optional<double> RadioField::loudness(std::span<const RadioStrength> heard, const Storey& storey, BuildingPoint point,
+                                           int without_walk) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+    const SurveyFingerprint& there = fingerprints_[i];
+    if (there.walk == without_walk || distance_m(there.place.point, point) > kAround_m) continue;
+    double ours = 0.0, theirs = 0.0;
+    int shared = 0;
+    auto other = there.heard.begin();
+    for (const RadioStrength& level : heard) {
+      while (other != there.heard.end() && other->radio < level.radio) ++other;
+      if (other == there.heard.end()) break;
+      if (other->radio != level.radio) continue;
+      ours += static_cast<double>(level.strength), theirs += static_cast<double>(other->strength);
+      ++shared;
+    }
+    if (shared < kFewestShared) continue;
+    sum += std::log(ours / theirs);
+    ++count;
+  }
+  if (count < kFewestShared) return std::nullopt;
+  return sum / count;
 }
 
 std::unique_ptr<RadioField::Scratch> RadioField::borrow() const {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "server/locating/catalogue.hpp"
@@ -15,19 +17,21 @@ struct FieldWeights {
   double sorensen = 22.0;          ///< weight of the Sorensen field in the log-likelihood
   double cosine = 12.0;            ///< of the cosine field: what carries a phone with another gain
   double bandwidth_m = 3.5;        ///< of the kernel that spreads a fingerprint over its surroundings
-  double delay_s = 2.0;            ///< how much later than its stamp a reading belongs
+  double delay_s = 1.5;            ///< how much later than its stamp a reading belongs
   double usual_distance = 0.35;    ///< mean of a scan's smallest Sorensen distances to another walk's fingerprints, median
   double resolution_m = 5.0;       ///< error that 68 % of single scans stay below
+  double loudness = 0.0;           ///< RadioField::loudness of the survey's own scans, median
 };
 constexpr std::size_t kFieldVoters = 8;  ///< fingerprints that speak for a floor, the nearest in signal space
 
 struct RadioFieldSettings {
-  ReadingStrength strength;
+  ReadingStrength strength{.power = 0.0};  ///< power 0: from the survey
   double sorensen_sharpness = 30.0;  ///< larger lets the best fingerprint near a point speak alone
   double cosine_sharpness = 25.0;
   double neutral = 0.2;            ///< kernel mass of unsurveyed ground, which says neither yes nor no
   double floor_gain = 10.0;        ///< log odds of floors a unit of Sorensen distance; larger makes errors stick
-  bool learn = true;               ///< weights, bandwidth and delay from the survey; otherwise FieldWeights as they stand
+  double delay_s = -1.0;           ///< how much later than its stamp a reading belongs; below 0: from the survey
+  bool learn = true;               ///< weights and delay from the survey; otherwise FieldWeights as they stand
   double spacing_s = 2.0;          ///< between fingerprints of a survey walk
 };
 
@@ -76,6 +80,10 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   /// Whether a fingerprint within `around_m` of the point hears the radio with at least this strength.
   bool heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const;
 
+  /// How much stronger `heard` is than the fingerprints around the point, over the radios both hear: mean of the logarithms of
+  /// the sums' ratios; absent where fewer than three fingerprints share three radios. Those of `without_walk` are left out.
+  std::optional<double> loudness(std::span<const RadioStrength> heard, const Storey& storey, BuildingPoint point, int without_walk = -1) const;
+
   /// Memory one scan's matching needs; borrowed for the time it takes.
   struct Scratch {
     std::vector<float> common;       ///< a fingerprint: sum of the smaller strengths; then e^{-b (d - m)}
@@ -105,6 +113,8 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   void lay_lattice();
   void find_middles();
   void take(SurveyReading reading);
+  double learn_power(const std::function<void()>& read);
+  double learn_delay_s(const std::function<void()>& read);
 
   RadioFieldSettings settings_;
   FieldWeights weights_;

@@ -14,6 +14,10 @@ constexpr int kEnoughToPlace = 8;        // radios: a scan of fewer may lie anyw
 constexpr double kFitsSurvey = 1.8;      // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
 constexpr std::size_t kFewestToDeny = 5; // weak radios that must speak before a strong one is denied
 constexpr float kVagueDistance = 0.75f;  // Sorensen: the rest of the scan fits nothing and denies nothing
+constexpr double kFaintest_db = 10.0;      // above -100 dBm: quieter scans say nothing about loudness
+constexpr double kMostLouder_db = 10.0;    // of one scan
+constexpr double kMostOffset_db = 12.0;
+constexpr double kScanSigma_db = 8.0;      // of one scan's loudness; those of one walk err together
 constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
 }  // namespace
 
@@ -34,7 +38,10 @@ RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
       known_(other.known_),
       unknown_(other.unknown_),
       heard_before_(other.heard_before_),
-      mismatch_(other.mismatch_) {}
+      mismatch_(other.mismatch_),
+      offset_db_(other.offset_db_),
+      offset_variance_db2_(other.offset_variance_db2_),
+      level_db_(other.level_db_) {}
 
 RadioFieldLocator::~RadioFieldLocator() { RadioFieldLocator::rest(); }
 
@@ -54,7 +61,7 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
   std::ranges::sort(rows_, [](const Row& a, const Row& b) { return a.key != b.key ? a.key < b.key : a.age_s < b.age_s; });
   heard_.clear();
   strong_.clear();
-  double sum = 0.0, squares = 0.0, ages = 0.0;
+  double sum = 0.0, squares = 0.0, ages = 0.0, levels = 0.0;
   known_ = unknown_ = 0;
   for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
     double level = 0.0;
@@ -64,7 +71,8 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
       level += static_cast<double>(rows_[end].rss_dbm);
       ++members;
     }
-    const float value = strength.of(level / members, static_cast<double>(rows_[begin].age_s));
+    const double level_dbm = level / members - offset_db_;
+    const float value = strength.of(level_dbm, static_cast<double>(rows_[begin].age_s));
     if (value <= 0.0f) continue;
     const auto radio = field_->radios().find(rows_[begin].key);
     if (level / members > kStrongDbm) {
@@ -74,6 +82,7 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
     sum += static_cast<double>(value);
     squares += static_cast<double>(value) * static_cast<double>(value);
     ages += static_cast<double>(value * rows_[begin].age_s);
+    levels += static_cast<double>(value) * (level_dbm + 100.0);
     if (radio) {
       heard_.push_back({*radio, value});
       ++known_;
@@ -83,8 +92,22 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
   }
   sum_ = static_cast<float>(sum);
   norm_ = static_cast<float>(std::sqrt(squares));
+  level_db_ = sum > 0.0 ? levels / sum : 0.0;
   if (sum > 0.0) heard_before_ = from_seconds(std::max(0.0, ages / sum - field_->weights().delay_s));
   return !heard_.empty();
+}
+
+// Strengths go with a power of the level: a ratio of them, small, is so many dB of the mean level.
+void RadioFieldLocator::learn(const RssScan& /*scan*/, const Place& fused) {
+  const RadioField::Storey* on = storey(fused.floor);
+  if (!on || level_db_ < kFaintest_db) return;
+  const auto ratio = field_->loudness(heard_, *on, fused.point);
+  if (!ratio) return;
+  const double power = field_->settings().strength.power;
+  const double louder_db = std::clamp(level_db_ * (*ratio - field_->weights().loudness) / power, -kMostLouder_db, kMostLouder_db);
+  const double gain = offset_variance_db2_ / (offset_variance_db2_ + kScanSigma_db * kScanSigma_db);
+  offset_db_ = std::clamp(offset_db_ + gain * louder_db, -kMostOffset_db, kMostOffset_db);
+  offset_variance_db2_ *= 1.0 - gain;
 }
 
 std::optional<Fix> RadioFieldLocator::locate(const RssScan& scan) {

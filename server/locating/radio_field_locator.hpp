@@ -32,8 +32,10 @@ class RadioFieldLocator final : public Locator {
   int implausible(FloorOrdinal floor, BuildingPoint point) const override;
   std::optional<double> misfit(FloorOrdinal floor, BuildingPoint point) const override;
   void rest() override;
+  void learn(const RssScan& scan, const Place& fused) override;
 
  private:
+  static constexpr double kOffsetSigma_db = 4.0;   // between phone models
   bool listen(const RssScan& scan);
   void leave_out_misplaced();
   void vote();
@@ -63,6 +65,9 @@ class RadioFieldLocator final : public Locator {
   int unknown_ = 0;
   Duration heard_before_{0};
   double mismatch_ = 1.0;
+  double offset_db_ = 0.0;                         ///< how much louder than the survey's this phone hears, as it turns out
+  double offset_variance_db2_ = kOffsetSigma_db * kOffsetSigma_db;
+  double level_db_ = 0.0;                          ///< above -100 dBm, mean of the newest scan by strength
 };
 
 }  // namespace wayfuse

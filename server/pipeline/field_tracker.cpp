@@ -15,13 +15,24 @@ constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion a
 constexpr double kStaleScanS = 15.0;
 // Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
 // development walks, once for all buildings: what differs between them is in the cloud.
-constexpr double kRadius68 = 0.92;
+constexpr double kRadius68 = 0.95;
 constexpr double kRadius95 = 2.35;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;
 constexpr double kStrange = 2.5;               // mismatch: the scan belongs to no surveyed place
 constexpr double kDoubtMemory = 0.6;         // of the last scans' fit and disagreement in the running mean
-constexpr double kRenewedOnNewFloor = 0.7;
+constexpr double kSettled_m = 8.0;             // a cloud smaller than this knows where a scan was heard
+constexpr double kClimbing_mps = 0.15;        // steeper is a stair, a ramp or a lift, not a swinging arm
+constexpr double kClimbed_m = 2.0;            // by the barometer: another floor is near at hand
+constexpr double kClimbMemoryS = 30.0;
+constexpr double kFloorMemoryClimbing = 0.9;
+constexpr double kTrustClimbing = 2.5;        // power of the floor votes then
+constexpr double kRenewedOnNewFloor = 0.3;
+constexpr double kRenewedWhenAstray = 0.7;
+constexpr double kClearSky_m = 15.0;          // sigma of a satellite fix that can tell outdoors from indoors
+constexpr double kGnssLastsS = 10.0;          // without another fix the phone may be indoors again
+constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud that far off is lost
+constexpr int kFixesElsewhere = 2;
 constexpr double kRenewedWhenLost = 0.5;
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
 constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
@@ -32,7 +43,7 @@ constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
 
 bool sound(const MotionReport& m) {
   const double values[] = {m.heading.radians(), m.heading_sigma_rad, m.turn_rate_radps, m.step_length_m, m.distance_sigma_m,
-                           m.speed_mps.value_or(0.0)};
+                           m.speed_mps.value_or(0.0), m.climb_m.value_or(0.0)};
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value) && std::abs(value) < 1e4; }) &&
          m.interval >= Duration{0} && m.distance_m() >= 0.0;
 }
@@ -80,6 +91,7 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       newest_(other.newest_),
       moved_to_(other.moved_to_),
       newest_reading_(other.newest_reading_),
+      weighed_to_(other.weighed_to_),
       start_heading_(other.start_heading_),
       reference_(other.reference_),
       heading_rad_(other.heading_rad_),
@@ -90,6 +102,10 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       foreign_floor_(other.foreign_floor_),
       heard_scans_(other.heard_scans_),
       scans_elsewhere_(other.scans_elsewhere_),
+      climbed_m_(other.climbed_m_),
+      gnss_at_(other.gnss_at_),
+      outdoors_(other.outdoors_),
+      fixes_elsewhere_(other.fixes_elsewhere_),
       mismatch_(other.mismatch_),
       implausible_(other.implausible_),
       watch_(other.watch_),
@@ -132,6 +148,7 @@ void FieldTracker::feed(const MotionReport& motion) {
   at_rest_ = motion.at_rest;
   if (!at_rest_ && distance_m > 0.0) scans_at_rest_ = 0;
   from_.steps_since_scan += motion.steps;
+  climbed_m_ = climbed_m_ * std::exp(-dt_s / kClimbMemoryS) + motion.climb_m.value_or(0.0);
   if (cloud_.started()) walk(motion, dt_s, dx_m, dy_m);
 }
 
@@ -141,6 +158,8 @@ void FieldTracker::walk(const MotionReport& motion, double dt_s, double dx_m, do
   double sigma_m = motion.at_rest ? 0.0 : parts_->settings.step_sigma_rtm * std::sqrt(distance_m);
   if (pause_s > kLongPauseS) sigma_m = std::hypot(sigma_m, std::min(kStrollMps * pause_s, kMostSpread_m));
   if (seconds(motion.interval) > kLongPauseS) sigma_m = std::hypot(sigma_m, 0.5 * distance_m);  // its path may have bent
+  // On stairs nobody knows the stride.
+  if (std::abs(motion.climb_m.value_or(0.0)) > kClimbing_mps * dt_s) sigma_m = std::hypot(sigma_m, 0.5 * distance_m);
   cloud_.walk(dx_m, dy_m, sigma_m, motion.at_rest ? 0.0 : dt_s, random_);
 }
 
@@ -154,25 +173,43 @@ void FieldTracker::feed(const RssScan& scan) {
   from_.transmitters_unknown = locator_->transmitters_unknown();
   from_.steps_since_scan = 0;
   newest_reading_ = scan.time - locator_->heard_before();
+  if (outdoors_) {
+    if (seconds(scan.time - *gnss_at_) < kGnssLastsS) return locator_->rest();  // heard through the facade
+    outdoors_ = false;
+  }
   const bool climbed = believe_floors();
   const BuildingPoint carried = minus(odometry_.now(), odometry_.at(scan.time - locator_->heard_before()));
   const bool lost = cloud_.started() && astray(*fix, carried);
   if (!cloud_.started()) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
   } else if (informative() || climbed || lost) {
-    if (climbed || lost) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
-    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried));
+    if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
+    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried, news()));
     cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
-  take_stock(carried);
+  weighed_to_ = newest_reading_;
+  take_stock(scan, carried);
   locator_->rest();
 }
 
+/// The share of the newest scan that earlier ones have not said: in one aisle they err alike for a while.
+double FieldTracker::news() const {
+  if (!weighed_to_) return 1.0;
+  return 1.0 - std::exp(-std::max(0.0, seconds(*newest_reading_ - *weighed_to_)) / parts_->settings.decorrelation_s);
+}
+
 // How well the scan fits the survey, and whether it fits the place.
-void FieldTracker::take_stock(BuildingPoint carried) {
+void FieldTracker::take_stock(const RssScan& scan, BuildingPoint carried) {
   mismatch_ = heard_scans_ == 1 ? locator_->mismatch() : kDoubtMemory * mismatch_ + (1.0 - kDoubtMemory) * locator_->mismatch();
-  implausible_ = cloud_.started() ? locator_->implausible(*floor_, minus(cloud_.spread().mean, carried)) : 0;
+  implausible_ = 0;
+  if (cloud_.started()) {
+    const WalkerCloud::Spread now = cloud_.spread();
+    const Place heard_at{minus(now.mean, carried), *floor_};
+    implausible_ = locator_->implausible(heard_at.floor, heard_at.point);
+    const bool settled = now.covariance.xx_m2 + now.covariance.yy_m2 < kSettled_m * kSettled_m;
+    if (settled && scans_at_rest_ <= kScansAtRest) locator_->learn(scan, heard_at);
+  }
   watch_.count_strong(implausible_, *newest_);
 }
 
@@ -208,7 +245,8 @@ bool FieldTracker::informative() {
 /// True when the floor changed.
 bool FieldTracker::believe_floors() {
   const auto votes = locator_->floors();
-  const double kept = parts_->settings.floor_memory;
+  const bool climbing = std::abs(climbed_m_) > kClimbed_m;
+  const double kept = climbing ? std::min(kFloorMemoryClimbing, parts_->settings.floor_memory) : parts_->settings.floor_memory;
   if (floors_.empty()) {
     floors_.assign(votes.begin(), votes.end());
   } else {
@@ -220,7 +258,8 @@ bool FieldTracker::believe_floors() {
     for (const FloorProbability& vote : votes) {
       auto belief = std::ranges::find(floors_, vote.floor, &FloorProbability::floor);
       if (belief == floors_.end()) belief = floors_.insert(floors_.end(), {vote.floor, 0.0});
-      belief->probability = (kept * belief->probability + (1.0 - kept) / static_cast<double>(votes.size())) * vote.probability;
+      belief->probability = (kept * belief->probability + (1.0 - kept) / static_cast<double>(votes.size())) *
+                            (climbing ? std::pow(vote.probability, kTrustClimbing) : vote.probability);
       total += belief->probability;
     }
     for (FloorProbability& belief : floors_) belief.probability = total > 0.0 ? belief.probability / total : 1.0 / static_cast<double>(floors_.size());
@@ -230,7 +269,7 @@ bool FieldTracker::believe_floors() {
   const FloorOrdinal best = floors_.front().floor;
   const bool climbed = floor_ && *floor_ != best;
   floor_ = best;
-  cloud_.enter(parts_->walkable.plan(best));
+  cloud_.enter(outdoors_ ? nullptr : parts_->walkable.plan(best));
   if (climbed) scans_at_rest_ = 0;
   return climbed;
 }
@@ -250,9 +289,24 @@ void FieldTracker::feed(const GnssFix& fix) {
     floors_ = {{*floor_, 1.0}};
     cloud_.enter(parts_->walkable.plan(*floor_));
   }
-  if (!cloud_.started()) return cloud_.start_about(point, fix.sigma_m, compass(), random_);
+  const WalkableArea::Plan* plan = parts_->walkable.plan(*floor_);
+  outdoors_ = plan && fix.sigma_m < kClearSky_m && !plan->open(static_cast<float>(point.x_m), static_cast<float>(point.y_m));
+  gnss_at_ = fix.time;
+  cloud_.enter(outdoors_ ? nullptr : plan);
+  if (!cloud_.started() || lost_to(point, fix.sigma_m)) return cloud_.start_about(point, fix.sigma_m, compass(), random_);
   cloud_.weigh(point, fix.sigma_m);
   cloud_.settle(random_);
+}
+
+/// Fix after fix from where no walker is: nobody near it is left to weigh.
+bool FieldTracker::lost_to(BuildingPoint point, double sigma_m) {
+  const WalkerCloud::Spread now = cloud_.spread();
+  const double spread_m = std::sqrt(now.covariance.xx_m2 + now.covariance.yy_m2);
+  const bool far = distance_m(now.mean, point) > kGnssFar * std::hypot(sigma_m, spread_m);
+  fixes_elsewhere_ = far && sigma_m < kClearSky_m ? fixes_elsewhere_ + 1 : 0;
+  if (fixes_elsewhere_ < kFixesElsewhere) return false;
+  fixes_elsewhere_ = 0;
+  return true;
 }
 
 Integrity FieldTracker::integrity(PhoneTime at) const {

@@ -45,8 +45,10 @@ class FieldTracker final : public Tracker {
   void walk(const MotionReport& motion, double dt_s, double dx_m, double dy_m);
   bool believe_floors();
   bool informative();
+  double news() const;
+  bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
-  void take_stock(BuildingPoint carried);
+  void take_stock(const RssScan& scan, BuildingPoint carried);
   bool astray(const Fix& fix, BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
 
@@ -60,6 +62,7 @@ class FieldTracker final : public Tracker {
   std::optional<PhoneTime> newest_;
   std::optional<PhoneTime> moved_to_;
   std::optional<PhoneTime> newest_reading_;
+  std::optional<PhoneTime> weighed_to_;  ///< when the readings weighed last were heard
   std::optional<Heading> start_heading_;
   std::optional<HeadingReference> reference_;
   double heading_rad_ = 0.0;
@@ -70,6 +73,10 @@ class FieldTracker final : public Tracker {
   int foreign_floor_ = 0;
   int heard_scans_ = 0;
   int scans_elsewhere_ = 0;        ///< in a row
+  double climbed_m_ = 0.0;         ///< by the barometer, of late
+  std::optional<PhoneTime> gnss_at_;
+  bool outdoors_ = false;          ///< off the plan by a good satellite fix: no walls, and no scans, until it falls silent
+  int fixes_elsewhere_ = 0;        ///< in a row
   double mismatch_ = 1.0;          ///< smoothed over scans
   int implausible_ = 0;            ///< strong radios of the newest scan that the survey does not hear about here
   ScanWatch watch_;

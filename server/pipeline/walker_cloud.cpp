@@ -15,6 +15,8 @@ constexpr float kOutsidePenalty = 8.0f;      // log weight: a step through a wal
 constexpr float kAgree = 6.0f;                // log-likelihood below the best walker's: farther off is another place
 constexpr float kJitter_m = 0.15f;           // keeps copies of one particle apart
 constexpr float kStrideJitter = 0.004f;
+constexpr float kStraySigma = 0.25f;         // of a stride far from the phone's
+constexpr float kShortestStride = 0.5f, kLongestStride = 1.6f;
 constexpr double kResampleBelow = 0.5;       // of the particles, effective size
 
 }  // namespace
@@ -23,12 +25,14 @@ PartDescription walkers_description() {
   const WalkerSettings standard;
   return {"filter", "walkers", "walkers with a compass error and stride of their own inside the walkable area, weighed by a field; a whole tracker",
           {{"particles", static_cast<double>(standard.particles), 10, 100000, "walkers; the error falls slowly, the cost grows with it", "-", true},
-           {"weight", standard.weight, 0.01, 1, "power of a scan's likelihood: scans of one walk err together; larger trusts scans more", "-"},
+           {"decorrelation_s", standard.decorrelation_s, 0.1, 100,
+            "time in which scans err together: one s after the last counts 1 - exp(-s / this); larger trusts scans less", "-"},
            {"outlier", standard.outlier, 0, 1, "likelihood no walker falls below, against the best one's; larger forgives wrong scans", "-"},
            {"renewed", standard.renewed, 0, 0.5, "share drawn anew from each scan; larger finds back sooner and blurs more", "-"},
            {"heading_sigma_rad", standard.heading_sigma_rad, 0, 3.2, "compass error of a fresh walker; larger turns more freely", "-"},
            {"heading_walk_rad_rts", standard.heading_walk_rad_rts, 0, 1, "its random walk per root second", "-"},
            {"stride_sigma", standard.stride_sigma, 0, 0.5, "stride of a fresh walker against the phone's, as a share", "-"},
+           {"stray_strides", standard.stray_strides, 0, 1, "share of fresh walkers with a stride far from the phone's; larger adapts sooner", "-"},
            {"step_sigma_rtm", standard.step_sigma_rtm, 0, 5, "blur per root metre walked", "-"},
            {"walkable", 1, 0, 1, "0: walls and shops are not looked at", "-", true},
            {"floor_memory", standard.floor_memory, 0, 1, "share of the floor belief a scan keeps; smaller changes floors sooner", "-"}}};
@@ -37,12 +41,13 @@ PartDescription walkers_description() {
 WalkerSettings walker_settings(const PartSettings& s) {
   WalkerSettings settings;
   settings.particles = s.count("particles");
-  settings.weight = s["weight"];
+  settings.decorrelation_s = s["decorrelation_s"];
   settings.outlier = s["outlier"];
   settings.renewed = s["renewed"];
   settings.heading_sigma_rad = s["heading_sigma_rad"];
   settings.heading_walk_rad_rts = s["heading_walk_rad_rts"];
   settings.stride_sigma = s["stride_sigma"];
+  settings.stray_strides = s["stray_strides"];
   settings.step_sigma_rtm = s["step_sigma_rtm"];
   settings.walkable = s.on("walkable");
   settings.floor_memory = s["floor_memory"];
@@ -56,14 +61,16 @@ WalkerCloud::WalkerCloud(const WalkerSettings& settings)
 // Compass error and stride of fresh particles; then each is carried on as it would have walked.
 void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
   const auto sigma = static_cast<float>(settings_.heading_sigma_rad), known = static_cast<float>(compass.known_rad);
+  const auto stride_sigma = static_cast<float>(settings_.stride_sigma), strays = static_cast<float>(settings_.stray_strides);
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const Noise columns(random), directions(random);
   const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
   for (std::size_t i = begin; i < end; ++i) {
     const auto number = static_cast<std::uint32_t>(i);
     const Noise::Pair n = columns.normal(number);
-    bias[i] = compass.lost ? 2.0f * std::numbers::pi_v<float> * directions.uniform(number).second : known + sigma * n.first;
-    scale[i] = std::max(0.5f, 1.0f + static_cast<float>(settings_.stride_sigma) * n.second);
+    const auto u = directions.uniform(number);
+    bias[i] = compass.lost ? 2.0f * std::numbers::pi_v<float> * u.second : known + sigma * n.first;
+    scale[i] = std::clamp(1.0f + (u.first < strays ? kStraySigma : stride_sigma) * n.second, kShortestStride, kLongestStride);
     const CosineAndSine way = cosine_and_sine(bias[i]);
     const float c = scale[i] * way.cosine, s = scale[i] * way.sine;
     x[i] += c * dx - s * dy;
@@ -157,7 +164,7 @@ void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::spa
   }
 }
 
-double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried) {
+double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double news) {
   const auto gained = gained_.get(cloud_.size());
   std::ranges::fill(gained, 0.0f);
   std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
@@ -170,7 +177,7 @@ double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPo
   for (const float each : gained) best = std::isfinite(each) ? std::max(best, each) : best;
   if (!std::isfinite(best)) return 1.0;
   double agree = 0.0;
-  const auto weight = static_cast<float>(settings_.weight), outlier = static_cast<float>(settings_.outlier);
+  const auto weight = static_cast<float>(news), outlier = static_cast<float>(settings_.outlier);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     const float share = std::exp(gained[i] - best);
     if (gained[i] > best - kAgree) agree += std::exp(static_cast<double>(cloud_.log_weight()[i]));

@@ -16,12 +16,13 @@ namespace wayfuse {
 /// Defaults: judged walk by walk on development walks (README.md, ablation).
 struct WalkerSettings {
   int particles = 1000;
-  double weight = 0.35;            ///< power of a scan's likelihood: scans of one walk err together
+  double decorrelation_s = 5.0;    ///< scans of one walk err together: what a scan says anew grows with the time since the last one
   double outlier = 0.05;           ///< likelihood, against the best particle's, that no particle falls below
   double renewed = 0.005;          ///< share of particles a scan draws anew from its likelihood: the way back when lost
   double heading_sigma_rad = 0.3;  ///< of a particle's own compass error, at its start
   double heading_walk_rad_rts = 0.02;  ///< its random walk, per root second
   double stride_sigma = 0.06;      ///< of a particle's own stride, as a share
+  double stray_strides = 0.15;     ///< share of particles with a stride far from the phone's: people and phones it was not made for
   double step_sigma_rtm = 0.35;    ///< m per root metre walked, per axis
   bool walkable = true;            ///< particles outside the walkable area fade away
   double floor_memory = 0.999;     ///< share of the floor belief a scan keeps; the rest is spread over all floors
@@ -58,9 +59,9 @@ class WalkerCloud {
   void turn_about(const CompassPrior& compass, Random& random);
   /// One interval: displacement by the phone, its sigma per axis, the time spent on foot.
   void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
-  /// Weighs by the scan where each walker was when it was heard, then draws `share` of them anew from it.
+  /// Weighs by the scan where each walker was when it was heard, to the power of `news`: how much of it is not said yet.
   /// Answers the share of the cloud, as it was, that the scan agrees with nearly as much as with the best walker.
-  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried);
+  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double news);
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <cmath>
+#include <numbers>
 
 #include "server/pipeline/tracker.hpp"
 
@@ -74,13 +75,17 @@ MotionReport rest(double time_s) {
 }
 
 /// Walks from `begin_s` to `end_s` of a round at the compass error given; a scan every 2 s. Mean error of the last half.
-double walk(Tracker& tracker, double begin_s, double end_s, double compass_error_rad) {
+double walk(Tracker& tracker, double begin_s, double end_s, double compass_error_rad, double louder_db = 0.0) {
   double sum = 0.0;
   int count = 0;
   for (double t = begin_s + 0.5; t <= end_s; t += 0.5) {
     const BuildingPoint a = around(kSpeedMps * (t - 0.5)), b = around(kSpeedMps * t);
     tracker.feed(step(t, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m) + compass_error_rad));
-    if (std::fmod(t, 2.0) == 0.0) tracker.feed(scan_at(b, 1, t));
+    if (std::fmod(t, 2.0) == 0.0) {
+      RssScan scan = scan_at(b, 1, t);
+      for (ScanReading& reading : scan.readings) reading.rss_dbm += louder_db;
+      tracker.feed(scan);
+    }
     if (t < (begin_s + end_s) / 2) continue;
     const auto position = tracker.position(PhoneTime(from_seconds(t)));
     if (!position) return INFINITY;
@@ -138,6 +143,50 @@ TEST(FieldTracker, APhoneLyingStillStaysWhereItIs) {
   const FusedPosition later = lie(30.0, 90.0);
   EXPECT_LT(distance_m(settled.place.point, later.place.point), 0.3);
   EXPECT_EQ(settled.place.floor, later.place.floor);
+}
+
+TEST(FieldTracker, ALouderPhoneIsNotWorseForLong) {
+  const auto error_m = [](double offset_db) {
+    double sum = 0.0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto tracker = default_pipeline()->make_tracker(Random(seed));
+      walk(*tracker, 0.0, 60.0, 0.1, offset_db);
+      sum += walk(*tracker, 60.0, 90.0, 0.1, offset_db);
+    }
+    return sum / 10.0;
+  };
+  EXPECT_LT(error_m(7.0), error_m(0.0) + 0.5);
+}
+
+TEST(FieldTracker, SatellitesTakeThePhoneOutOfTheBuildingAndBackIn) {
+  auto site = std::make_shared<Site>(*block());
+  site->georeference = Georeference{{47.0, 8.0}, 0.3};
+  for (Floor& floor : site->floors) floor.outline = {{{{-2, -2}, {kSide_m + 2, -2}, {kSide_m + 2, kSide_m + 2}, {-2, kSide_m + 2}}}};
+  const auto factory = *assemble(*preset("default"), site);
+  const auto tracker = factory->make_tracker(Random(7));
+  walk(*tracker, 0.0, 24.0, 0.0);  // to the middle of the south side
+  // Out through the wall to the south, 60 m and back; the building is still heard, fainter.
+  const auto outside = [&](double t) { return BuildingPoint{around(kSpeedMps * 24.0).x_m, -(t < 72.0 ? t - 24.0 : 120.0 - t) * kSpeedMps}; };
+  Random noise(3);
+  for (double t = 24.5; t <= 110.0; t += 0.5) {
+    tracker->feed(step(t, t <= 72.0 ? -std::numbers::pi / 2 : std::numbers::pi / 2));
+    const BuildingPoint p = outside(t);
+    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(p, 1, t));
+    if (p.y_m > -6.0 || std::fmod(t, 1.0) != 0.0) continue;
+    const BuildingPoint heard{p.x_m + 4.0 * noise.normal(), p.y_m + 4.0 * noise.normal()};
+    tracker->feed(GnssFix{PhoneTime(from_seconds(t)), site->georeference->to_geo(heard), 5.0, {}, {}});
+    if (t == 72.0) {
+      EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(t)))->place.point, p), 6.0);
+    }
+  }
+  double t = 110.0;
+  for (; t < 160.0; t += 0.5) {  // back in, round the block
+    const double walked = kSpeedMps * (t - 110.0);
+    const BuildingPoint a = around(walked), b = around(walked + 0.5 * kSpeedMps);
+    tracker->feed(step(t + 0.5, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m)));
+    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(b, 1, t + 0.5));
+  }
+  EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(t)))->place.point, around(kSpeedMps * 50.0)), 6.0);
 }
 
 TEST(FieldTracker, ALiftTakesAPhoneAtRestToAnotherFloor) {
