@@ -3,6 +3,7 @@
 #include "admin/access.hpp"
 #include "admin/router.hpp"
 #include "admin/server_control.hpp"
+#include "admin/session_control.hpp"
 #include "admin/webhook_control.hpp"
 #include "admin/zone_control.hpp"
 #include "db/database_directory.hpp"
@@ -19,6 +20,8 @@ void add_building_routes(Router& router, DatabaseDirectory& databases, ServerCon
 void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerControl& server);
 /// Health, readiness, version, metrics, live sessions, pipelines and their parts.
 void add_operation_routes(Router& router, ServerControl& server, const ZoneControl& zones);
+/// Why one session's newest position is where it is.
+void add_explanation_routes(Router& router, const SessionControl& sessions);
 /// Zones: list, make, replace, remove; who is in them; their events as server-sent events.
 void add_zone_routes(Router& router, DatabaseDirectory& databases, ZoneControl& zones, const Access& access, const Clock& clock);
 /// Runs a task some time later, off the caller's thread.

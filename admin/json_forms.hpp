@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "admin/server_control.hpp"
+#include "admin/session_control.hpp"
 #include "admin/zone_control.hpp"
 #include "db/building_database.hpp"
 #include "db/database_directory.hpp"
@@ -41,6 +42,7 @@ std::string to_json(const SurveyAck& ack);
 std::string to_json(const std::vector<PartDescription>& parts);
 /// `zones` holds the names of the zones each phone is in; `coarse` leaves positions out [C19].
 std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<std::string, std::vector<std::string>>& zones, bool coarse);
+std::string to_json(const Explanation& explanation);
 std::string to_json(const Readiness& readiness);
 std::string names_to_json(std::string_view field, const std::vector<std::string>& names);
 

@@ -50,6 +50,16 @@ Json to_json(const PartDescription& part) {
   return {{"role", part.role}, {"name", part.name}, {"summary", part.summary}, {"settings", std::move(settings)}};
 }
 
+Json to_form(const ReadingExplained& reading) {
+  Json json{{"bssid", to_string(reading.bssid)}, {"heard_dbm", reading.heard_dbm}};
+  json["expected_dbm"] = reading.expected_dbm ? Json(*reading.expected_dbm) : Json();
+  json["residual_db"] = reading.expected_dbm ? Json(*reading.residual_db()) : Json();
+  json["surveyed_scans"] = reading.surveyed_scans;
+  json["age_us"] = reading.age.count();
+  if (!reading.rejected.empty()) json["why"] = reading.rejected;
+  return json;
+}
+
 Json to_form(const KeyRecord& key) {
   Json json{{"id", key.id},
             {"name", key.name},
@@ -105,6 +115,28 @@ std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<
     entries.push_back(std::move(json));
   }
   return Json{{"sessions", std::move(entries)}}.dump();
+}
+
+std::string to_json(const Explanation& explanation) {
+  const FusedPosition& position = explanation.position;
+  Json used = Json::array(), rejected = Json::array(), votes = Json::array(), particles = Json::array();
+  for (const ReadingExplained& reading : explanation.readings) (reading.rejected.empty() ? used : rejected).push_back(to_form(reading));
+  for (const FloorProbability& vote : position.floors) votes.push_back({{"floor", vote.floor.value}, {"probability", vote.probability}});
+  for (const auto& each : explanation.particles) particles.push_back({each.point.x_m, each.point.y_m, each.weight});
+  return Json{{"tracked", explanation.tracked},
+              {"building", position.building.value},
+              {"pipeline", explanation.pipeline},
+              {"position", to_json(position)},
+              {"scan_age_us", position.from.scan_age.count()},
+              {"steps_since_scan", position.from.steps_since_scan},
+              {"gnss", position.from.gnss},
+              {"surveyed_points_near", explanation.surveyed_points},
+              {"used", std::move(used)},
+              {"rejected", std::move(rejected)},
+              {"floor_votes", std::move(votes)},
+              {"integrity", {{"state", name_of(position.integrity)}, {"reasons", explanation.doubts}}},
+              {"particles", std::move(particles)}}
+      .dump();
 }
 
 std::string to_json(const Readiness& readiness) {

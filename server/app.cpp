@@ -105,6 +105,7 @@ Result<void> App::open() {
   add_building_routes(*router_, *store_, *this);
   add_survey_routes(*router_, *store_, *this);
   add_operation_routes(*router_, *this, zones_);
+  add_explanation_routes(*router_, *this);
   add_zone_routes(*router_, *store_, zones_, *keys_, clock_);
   add_plan_routes(*router_, *store_, *this, zones_, [this](std::function<void()> task) { workers_.run(std::move(task)); });
   add_webhook_routes(*router_, *store_, webhooks_, clock_);
@@ -235,6 +236,15 @@ void App::building_changed(BuildingId building) {
 std::uint64_t App::radio_map_version(BuildingId building) const {
   const auto snapshot = shelf_.find(building);
   return snapshot ? snapshot->record().survey_version : 0;
+}
+
+Result<Explanation> App::explain(const std::string& tracked, BuildingId building) const {
+  const auto session = sessions_.find_tracked(tracked);
+  const auto in = session ? session->building() : nullptr;
+  if (!session || (building.value != 0 && (!in || in->record().id != building))) {
+    return Fault{FaultCode::kNotFound, "tracked", "there is no live session of this name here"};
+  }
+  return session->explain();
 }
 
 }  // namespace wayfuse

@@ -9,6 +9,7 @@
 #include "admin/idempotency.hpp"
 #include "admin/router.hpp"
 #include "admin/server_control.hpp"
+#include "admin/session_control.hpp"
 #include "db/database_directory.hpp"
 #include "server/buildings/building_keeper.hpp"
 #include "server/config.hpp"
@@ -34,8 +35,8 @@ class ZoneFeed final : public PositionWatcher {
 
 /// The whole server, put together: the only place that knows every room.
 ///
-/// Thread: start(), reload() and drain() belong to one thread; what ServerControl offers is safe from any.
-class App final : public ServerControl {
+/// Thread: start(), reload() and drain() belong to one thread; what ServerControl and SessionControl offer is safe from any.
+class App final : public ServerControl, public SessionControl {
  public:
   /// Opens the store, makes every building ready, listens. Afterwards it serves.
   static Result<std::unique_ptr<App>> start(ServerConfig config);
@@ -62,6 +63,9 @@ class App final : public ServerControl {
   Result<std::string> preset_json(const std::string& name) const override;
   void building_changed(BuildingId building) override;
   std::uint64_t radio_map_version(BuildingId building) const override;
+
+  // ---- SessionControl
+  Result<Explanation> explain(const std::string& tracked, BuildingId building) const override;
 
  private:
   App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store);

@@ -52,7 +52,7 @@ int perform(const Program& program, const Call& call) {
   if (call.raw || program.json) {
     std::cout << reply->body << (call.raw ? "" : "\n");
   } else if (!reply->body.empty()) {
-    std::cout << readable(reply->body, call.list, call.fields);
+    std::cout << (call.show ? call.show(reply->body) : readable(reply->body, call.list, call.fields));
   }
   return EXIT_SUCCESS;
 }

@@ -21,6 +21,7 @@ struct Call {
   bool raw = false;                       ///< print as it comes: exports
   std::string content_type = "application/json";
   std::map<std::string, std::string> headers = {};
+  std::string (*show)(const std::string& json) = nullptr;   ///< instead of a table
 };
 
 struct Program {

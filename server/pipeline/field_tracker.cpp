@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/pipeline/weighted_places.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -311,9 +313,23 @@ bool FieldTracker::lost_to(BuildingPoint point, double sigma_m) {
 
 Integrity FieldTracker::integrity(PhoneTime at) const {
   if (watch_.suspect(at)) return Integrity::kSuspect;
-  const bool stale = !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS;
-  const bool foreign = from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
-  return stale || foreign || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;
+  return stale(at) || foreign() || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;
+}
+
+bool FieldTracker::stale(PhoneTime at) const { return !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS; }
+
+bool FieldTracker::foreign() const {
+  return from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
+}
+
+std::vector<std::string> FieldTracker::doubts(PhoneTime at) const {
+  std::vector<std::string> reasons;
+  if (watch_.suspect(at)) reasons.emplace_back("scans were copied, or contradicted the track, or held strong radios out of place");
+  if (stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
+  if (foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
+  if (implausible_ > 0) reasons.push_back(std::to_string(implausible_) + " strong access points are not at home around here");
+  if (mismatch_ > kStrange) reasons.emplace_back("the scans are like no surveyed place");
+  return reasons;
 }
 
 std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
@@ -342,6 +358,11 @@ std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
   position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};
   position.integrity = integrity(at);
   return position;
+}
+
+std::vector<WeightedPlace> FieldTracker::cloud(std::size_t most) const {
+  if (!cloud_.started()) return {};
+  return weighted_places(cloud_.particles(), parts_->origin, most);
 }
 
 Fault FieldTracker::why_no_fix() const {

@@ -37,6 +37,8 @@ class FieldTracker final : public Tracker {
   void feed(const GnssFix& fix) override;
   std::optional<FusedPosition> position(PhoneTime at) const override;
   Fault why_no_fix() const override;
+  std::vector<WeightedPlace> cloud(std::size_t most) const override;
+  std::vector<std::string> doubts(PhoneTime at) const override;
   std::unique_ptr<Tracker> clone() const override { return std::make_unique<FieldTracker>(*this); }
 
  private:
@@ -51,6 +53,8 @@ class FieldTracker final : public Tracker {
   void take_stock(const RssScan& scan, BuildingPoint carried);
   bool astray(const Fix& fix, BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
+  bool stale(PhoneTime at) const;
+  bool foreign() const;
 
   std::shared_ptr<const FieldTrackerParts> parts_;
   Random random_;

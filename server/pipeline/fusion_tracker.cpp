@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/pipeline/field_measurement.hpp"
+#include "server/pipeline/weighted_places.hpp"
 #include "server/tracking/fix_measurement.hpp"
 #include "server/tracking/range_measurement.hpp"
 #include "server/tracking/velocity_measurements.hpp"
@@ -308,11 +309,26 @@ void FusionTracker::guard_against_nan() {
 }
 
 Integrity FusionTracker::integrity(PhoneTime at) const {
-  if (misses_ >= 2 || (restarted_ && seconds(at - *restarted_) < kSuspectS)) return Integrity::kSuspect;
+  if (misses_ >= 2 || restarted_lately(at)) return Integrity::kSuspect;
   if (!locator_) return Integrity::kOk;
-  if (!newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS) return Integrity::kDegraded;
-  if (from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used) return Integrity::kDegraded;
-  return misses_ > 0 ? Integrity::kDegraded : Integrity::kOk;
+  return stale(at) || foreign() || misses_ > 0 ? Integrity::kDegraded : Integrity::kOk;
+}
+
+bool FusionTracker::restarted_lately(PhoneTime at) const { return restarted_ && seconds(at - *restarted_) < kSuspectS; }
+
+bool FusionTracker::stale(PhoneTime at) const { return !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS; }
+
+bool FusionTracker::foreign() const {
+  return from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
+}
+
+std::vector<std::string> FusionTracker::doubts(PhoneTime at) const {
+  std::vector<std::string> reasons;
+  if (misses_ > (locator_ ? 0 : 1)) reasons.push_back(std::to_string(misses_) + " fixes in a row lie too far from the track");
+  if (restarted_lately(at)) reasons.emplace_back("the track began anew a moment ago: fixes had left it");
+  if (locator_ && stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
+  if (locator_ && foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
+  return reasons;
 }
 
 std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
@@ -342,6 +358,18 @@ std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
   position.from = from_;
   position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};
   return position;
+}
+
+std::vector<WeightedPlace> FusionTracker::cloud(std::size_t most) const {
+  const ParticleCloud* particles = static_cast<const Filter&>(*filter_).cloud();
+  if (!particles || !filter_->started()) return {};
+  return weighted_places(*particles, plus(correction_, parts_->origin), most);
+}
+
+std::string FusionTracker::left_out(const ScanReading& reading) const {
+  if (!locator_) return "this pipeline uses no scans";
+  if (std::ranges::find(kept_.readings, reading) != kept_.readings.end()) return {};
+  return gate_.why_not(reading, kept_.time - reading.age);
 }
 
 Fault FusionTracker::why_no_fix() const {

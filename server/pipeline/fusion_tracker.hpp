@@ -74,6 +74,9 @@ class FusionTracker final : public Tracker {
   void feed(const GnssFix& fix) override;
   std::optional<FusedPosition> position(PhoneTime at) const override;
   Fault why_no_fix() const override;
+  std::vector<WeightedPlace> cloud(std::size_t most) const override;
+  std::string left_out(const ScanReading& reading) const override;
+  std::vector<std::string> doubts(PhoneTime at) const override;
 
   /// Of the newest applied fix, for training; absent when it moved nothing.
   std::optional<BackPropagation::Inputs> newest_correction_inputs() const { return correction_inputs_; }
@@ -95,6 +98,9 @@ class FusionTracker final : public Tracker {
   void align_heading();
   void guard_against_nan();
   Integrity integrity(PhoneTime at) const;
+  bool stale(PhoneTime at) const;
+  bool foreign() const;
+  bool restarted_lately(PhoneTime at) const;
 
   std::shared_ptr<const PipelineParts> parts_;
   Random random_;

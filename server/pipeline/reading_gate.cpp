@@ -45,6 +45,13 @@ std::optional<ReadingGate::Fresh> ReadingGate::take(const RssScan& scan, RssScan
   return Fresh{std::min(mean, scan.time), scan.time - least_age};
 }
 
+std::string ReadingGate::why_not(const ScanReading& reading, PhoneTime heard) const {
+  if (reading.age < Duration{0} || reading.age > kMostAge) return "its age is impossible";
+  if (seconds(reading.age) > settings_.max_age_s) return "older than this pipeline takes";
+  if (began_ && heard < *began_) return "heard before the walk began";
+  return "told before: a copy out of the phone's cache";
+}
+
 void ReadingGate::forget(PhoneTime now) {
   std::erase_if(last_heard_, [&](const auto& entry) { return entry.second + std::chrono::seconds(60) < now; });
   if (last_heard_.size() > kMostRemembered) last_heard_.clear();

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 
 #include "wayfuse/proto/scan.hpp"
 
@@ -31,6 +32,8 @@ class ReadingGate {
   void begin(PhoneTime time);
   /// Fills `kept` with the fresh readings, ages as they came; absent when none is left.
   std::optional<Fresh> take(const RssScan& scan, RssScan& kept);
+  /// Why a reading heard then was not kept, of the newest scan.
+  std::string why_not(const ScanReading& reading, PhoneTime heard) const;
 
  private:
   bool fresh(const ScanReading& reading, PhoneTime heard) const;

@@ -49,6 +49,12 @@ class TrackerFactory {
   virtual std::string learnt() const { return {}; }
 };
 
+/// One hypothesis of a tracker: somewhere the phone may be, and how much that counts.
+struct WeightedPlace {
+  BuildingPoint point;
+  double weight = 0.0;
+};
+
 /// One phone's position over time: takes evidence in time order, answers with positions.
 ///
 /// Motion and scans are in the phone's time; a heading against magnetic or true axes is turned into the building's frame
@@ -63,6 +69,13 @@ class Tracker {
   virtual std::optional<FusedPosition> position(PhoneTime at) const = 0;
   /// Why there is none: kEmptyRadioMap, kNoKnownAccessPoint, or merely nothing heard yet.
   virtual Fault why_no_fix() const = 0;
+  /// At most `most` of the hypotheses behind position(), evenly picked in their order, the same ones whenever asked; their weights
+  /// sum to 1. Empty where the belief is no cloud, or nothing is believed yet.
+  virtual std::vector<WeightedPlace> cloud(std::size_t /*most*/) const { return {}; }
+  /// Why that reading of the newest scan fed never reached the locator; empty = it did.
+  virtual std::string left_out(const ScanReading& /*reading*/) const { return {}; }
+  /// In words, why position(at).integrity is not `ok`; empty where it is.
+  virtual std::vector<std::string> doubts(PhoneTime /*at*/) const { return {}; }
   /// An exact copy, generator included: a session rewinds to it when evidence arrives out of order.
   virtual std::unique_ptr<Tracker> clone() const = 0;
 };

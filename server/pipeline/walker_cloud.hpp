@@ -68,6 +68,7 @@ class WalkerCloud {
   /// Normalised weights, resampled when too few walkers carry them.
   void settle(Random& random);
   Spread spread() const;
+  const ParticleCloud& particles() const { return cloud_; }
 
  private:
   void walked_back(std::size_t begin, BuildingPoint carried, std::span<float> x_then_m, std::span<float> y_then_m) const;

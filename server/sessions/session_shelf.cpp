@@ -1,5 +1,6 @@
 #include "server/sessions/session_shelf.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace wayfuse {
@@ -32,6 +33,12 @@ std::shared_ptr<TrackingSession> SessionShelf::find(const std::string& name, std
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(name);
   return found != sessions_.end() && found->second->key_id() == key_id ? found->second : nullptr;
+}
+
+std::shared_ptr<TrackingSession> SessionShelf::find_tracked(const std::string& tracked) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find_if(sessions_, [&](const auto& item) { return item.second->tracked() == tracked; });
+  return found != sessions_.end() ? found->second : nullptr;
 }
 
 void SessionShelf::end(const std::string& name) {

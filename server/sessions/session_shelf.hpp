@@ -37,6 +37,8 @@ class SessionShelf {
   std::shared_ptr<TrackingSession> begin(SessionRequest request, const BuildingShelf& buildings, ServerTime now);
   /// Null if there is none of that name, or it began under another key.
   std::shared_ptr<TrackingSession> find(const std::string& name, std::uint64_t key_id) const;
+  /// By its public name, which resumes nothing; for the operator.
+  std::shared_ptr<TrackingSession> find_tracked(const std::string& tracked) const;
   void end(const std::string& name);
   /// Public names of sessions that expired; they are forgotten.
   std::vector<std::string> sweep(ServerTime now);

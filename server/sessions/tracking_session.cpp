@@ -5,13 +5,18 @@
 
 #include "wayfuse/proto/codec.hpp"
 
-#include "wayfuse/proto/codec.hpp"
-
 namespace wayfuse {
 namespace {
 
 constexpr std::int64_t kConnected = std::numeric_limits<std::int64_t>::max();
 constexpr double kStillWithin_m = 0.05;
+
+Fault no_building_matches() {
+  return {FaultCode::kNoBuildingMatches, "", "the access points heard so far speak for no building clearly"};
+}
+
+// The session is there, its position is not: another answer than that of a name nobody has.
+Fault no_position(const Fault& reason) { return {FaultCode::kConflict, "position", "there is none: " + reason.cause}; }
 
 }  // namespace
 
@@ -107,6 +112,7 @@ bool TrackingSession::take(const Sample& sample) {
     newest_.reset();
   }
   late_in_a_row_ = 0;
+  if (const auto* scan = std::get_if<RssScan>(&sample.body); scan && (scan->time >= newest_scan_.time || !newest_)) newest_scan_ = *scan;
   const PhoneTime time = time_of(sample.body);
   if (!newest_ || time >= *newest_) {
     newest_ = time;
@@ -162,12 +168,32 @@ void TrackingSession::track_in(std::shared_ptr<const Building> building) {
   timeline_.emplace(factory_->make_tracker(random_.split()));
 }
 
+Result<Explanation> TrackingSession::explain() const {
+  std::shared_ptr<const Building> building;
+  std::string pipeline;
+  PositionGrounds grounds;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!newest_) return no_position({FaultCode::kNotFound, "", "the phone has sent nothing yet"});
+    if (!timeline_ || !timeline_->newest()) return no_position(cannot_track_.value_or(no_building_matches()));
+    const Tracker& tracker = timeline_->tracker();
+    auto position = tracker.position(*timeline_->newest());
+    if (!position) return no_position(tracker.why_no_fix());
+    building = building_;
+    pipeline = factory_->spec().name;
+    grounds = grounds_of(tracker, *std::move(position), newest_scan_);
+  }
+  Explanation explanation = wayfuse::explain(*building, std::move(grounds));  // a pass over the survey: the phone does not wait for it
+  explanation.tracked = tracked_;
+  explanation.pipeline = std::move(pipeline);
+  return explanation;
+}
+
 void TrackingSession::answer(Outcome& outcome, Duration still_interval) {
   if (!newest_) return;
   outcome.at = timeline_ && timeline_->newest() ? *timeline_->newest() : *newest_;
   if (!timeline_) {
-    outcome.answer = cannot_track_.value_or(
-        Fault{FaultCode::kNoBuildingMatches, "", "the access points heard so far speak for no building clearly"});
+    outcome.answer = cannot_track_.value_or(no_building_matches());
     return;
   }
   std::optional<FusedPosition> position = timeline_->tracker().position(outcome.at);

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "server/buildings/building_shelf.hpp"
+#include "server/sessions/explanation.hpp"
 #include "server/sessions/timeline.hpp"
 #include "wayfuse/proto/message.hpp"
 
@@ -88,6 +89,8 @@ class TrackingSession {
   std::uint64_t applied_through() const;
   std::shared_ptr<const Building> building() const;  ///< null = not resolved
   std::string pipeline() const;                      ///< in force; empty = not resolved
+  /// Why the newest position is where it is; a fault: why there is none. Changes nothing.
+  Result<Explanation> explain() const;
 
  private:
   static constexpr std::size_t kHeldMost = 256;
@@ -116,6 +119,7 @@ class TrackingSession {
   std::optional<Fault> cannot_track_;  ///< the pipeline asked for does not exist in the resolved building
   std::optional<Timeline> timeline_;
   std::optional<PhoneTime> newest_;
+  RssScan newest_scan_;  ///< that the tracker took; no readings before the first
   std::deque<Sample> held_;  ///< until the first position: a newer map may still place it
   bool placed_ = false;
   bool at_rest_ = false;

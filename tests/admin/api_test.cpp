@@ -163,6 +163,41 @@ TEST(OperationsApi, AnswersProbesWithoutAKeyAndTheRestWithOne) {
   EXPECT_EQ(api.ask("GET", "/v1/pipelines/p9", api.admin).status, 422);
 }
 
+TEST(ExplanationApi, HoldsEveryReadingAgainstTheSurveyAndSaysWhatItDoubts) {
+  RunningApi api;
+  const auto answer = api.ask("GET", "/v1/sessions/phone-1/explain", api.admin);
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const json explained = answer.json();
+  EXPECT_EQ(explained["used"][0]["residual_db"], -6.0);  // heard at -61, expected at -55
+  EXPECT_EQ(explained["used"][0]["age_us"], 300'000);
+  EXPECT_EQ(explained["rejected"][0]["why"], "not on the map");
+  EXPECT_TRUE(explained["rejected"][0]["expected_dbm"].is_null());
+  EXPECT_EQ(explained["floor_votes"][0], json({{"floor", 2}, {"probability", 0.75}}));
+  EXPECT_EQ(explained["integrity"], json({{"state", "degraded"}, {"reasons", {"it rains"}}}));
+  EXPECT_EQ(explained["particles"], json({{1.5, 2.5, 1.0}}));
+  EXPECT_EQ(explained["scan_age_us"], 1'500'000);
+}
+
+TEST(ExplanationApi, KnowsASessionInItsOwnBuildingOnlyAndToldTheAuditFirst) {
+  RunningApi api;
+  const std::string bound = api.issue({Scope::kAdmin}, {1});
+  EXPECT_EQ(api.ask("GET", "/v1/buildings/1/sessions/phone-1/explain", bound).status, 200);
+  const auto elsewhere = api.ask("GET", "/v1/buildings/2/sessions/phone-1/explain", api.admin);
+  const auto nowhere = api.ask("GET", "/v1/buildings/2/sessions/phone-9/explain", api.admin);
+  EXPECT_EQ(elsewhere.status, 404);
+  EXPECT_EQ(elsewhere.body, nowhere.body);
+  EXPECT_EQ(api.ask("GET", "/v1/sessions/phone-3/explain", api.admin).status, 409) << "it is there, without a position";
+  EXPECT_EQ(api.ask("GET", "/v1/sessions/phone-1/explain", api.issue({Scope::kTrack, Scope::kObserve, Scope::kSurvey}, {})).status, 403);
+
+  const auto lines = api.store->audited({});
+  ASSERT_TRUE(lines);
+  ASSERT_FALSE(lines->empty());
+  EXPECT_TRUE(std::ranges::any_of(*lines, [](const AuditRecord& line) {
+    return line.building == BuildingId{1} && line.key_id != 0 && line.action.find("explain") != std::string::npos &&
+           line.subject.find("phone-1") != std::string::npos;
+  }));
+}
+
 TEST(ConsoleRoutes, SendAPageThatMayLoadNothingFromElsewhere) {
   RunningApi api;
   for (const char* path : {"/console/", "/console/console.css", "/console/console.js", "/console/inter.woff2", "/console/licences.txt"}) {

@@ -55,6 +55,23 @@ class RunningApi {
     std::vector<BuildingId> changed;
   };
 
+  /// Knows phone-1 in building 1 only.
+  class FakeSessions final : public SessionControl {
+   public:
+    Result<Explanation> explain(const std::string& tracked, BuildingId building) const override {
+      if (tracked == "phone-3") return Fault{FaultCode::kConflict, "position", "there is none: nothing heard"};
+      if (tracked != "phone-1" || building.value > 1) return Fault{FaultCode::kNotFound, "tracked", "there is no live session of this name here"};
+      Explanation explanation{.tracked = tracked, .pipeline = "p1", .position = {}, .readings = {}, .surveyed_points = 8,
+                              .doubts = {"it rains"}, .particles = {{{1.5, 2.5}, 1.0}}};
+      explanation.position.building = {1};
+      explanation.position.integrity = Integrity::kDegraded;
+      explanation.position.floors = {{FloorOrdinal{2}, 0.75}, {FloorOrdinal{1}, 0.25}};
+      explanation.position.from.scan_age = std::chrono::milliseconds(1500);
+      explanation.readings = {{Bssid{1}, -61.0, std::chrono::milliseconds(300), "", -55.0, 24}, {Bssid{2}, -70.0, {}, "not on the map", {}, 0}};
+      return explanation;
+    }
+  };
+
   struct Answer {
     int status;
     std::string body;
@@ -82,6 +99,7 @@ class RunningApi {
     add_building_routes(*router, *store, server);
     add_survey_routes(*router, *store, server);
     add_operation_routes(*router, server, *zones);
+    add_explanation_routes(*router, sessions);
     add_zone_routes(*router, *store, *zones, *keys, clock);
     webhooks = std::make_unique<WebhookSender>(*store, *zones, clock, WebhookSettings{}, 1);
     add_plan_routes(*router, *store, server, *zones, [](std::function<void()> task) { task(); });
@@ -126,6 +144,7 @@ class RunningApi {
   std::filesystem::path folder;
   FixedClock clock;
   FakeServer server;
+  FakeSessions sessions;
   std::unique_ptr<DatabaseDirectory> store;
   std::unique_ptr<KeyRing> keys;
   std::unique_ptr<AuditTrail> audit;

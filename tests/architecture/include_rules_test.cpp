@@ -33,7 +33,7 @@ const std::map<std::string, Rooms>& allowed() {
       {"server/buildings", {"vocabulary", "server/locating", "server/pipeline", "db", "wire"}},
       {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings"}},
       {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp",
-                           "admin/zone_control.hpp"}},
+                           "admin/session_control.hpp", "admin/zone_control.hpp"}},
       {"server/zones", {"vocabulary", "wire", "db", "admin/zone_control.hpp", "admin/plan/planar.hpp"}},
       {"server/webhooks", {"vocabulary", "wire", "db", "admin/webhook_control.hpp", "admin/zone_control.hpp"}},
       {"server/net", {"vocabulary", "wire", "server/sessions", "admin/router.hpp", "admin/http.hpp"}},
