@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "db/access_point_table.hpp"
 #include "db/corrector_table.hpp"
 #include "db/directory_files.hpp"
 #include "db/file_lock.hpp"
@@ -11,6 +12,7 @@
 #include "db/schema.hpp"
 #include "db/survey_store.hpp"
 #include "db/verification.hpp"
+#include "db/walk_part_table.hpp"
 #include "db/webhook_table.hpp"
 #include "db/zone_table.hpp"
 
@@ -20,14 +22,15 @@ namespace {
 void write_description(SqliteConnection& connection, const BuildingRecord& building) {
   Statement update = connection.prepare(
       "UPDATE building SET name = ?, latitude_deg = ?, longitude_deg = ?, y_axis_azimuth_rad = ?, declination_rad = ?, "
-      "dip_rad = ?, norm_ut = ?, pipeline = ?");
+      "dip_rad = ?, norm_ut = ?, pipeline = ?, publication = ?");
   update.bind_text(1, building.name);
   if (building.georeference) {
     update.bind(2, building.georeference->origin.latitude_deg).bind(3, building.georeference->origin.longitude_deg);
     update.bind(4, building.georeference->y_axis_azimuth_rad);
   }
   update.bind(5, building.magnetic_field.declination_rad).bind(6, building.magnetic_field.dip_rad);
-  update.bind(7, building.magnetic_field.norm_ut).bind_text(8, building.pipeline).run();
+  update.bind(7, building.magnetic_field.norm_ut).bind_text(8, building.pipeline);
+  update.bind_text(9, building.publication == PublicationPolicy::kAutomatic ? "automatic" : "reviewed").run();
 }
 
 void write_floors(SqliteConnection& connection, const std::vector<Floor>& floors) {
@@ -74,7 +77,7 @@ std::vector<Floor> read_floors(SqliteConnection& connection) {
 BuildingRecord read_building(SqliteConnection& connection) {
   Statement select = connection.prepare(
       "SELECT id, name, latitude_deg, longitude_deg, y_axis_azimuth_rad, declination_rad, dip_rad, norm_ut, pipeline, "
-      "survey_version FROM building");
+      "survey_version, publication FROM building");
   if (!select.step()) throw StoreError({FaultCode::kStoreCorrupt, connection.name(), "the building's own row is missing"});
   BuildingRecord building;
   building.id.value = static_cast<std::uint64_t>(select.integer(0));
@@ -83,6 +86,7 @@ BuildingRecord read_building(SqliteConnection& connection) {
   building.magnetic_field = {select.real(5), select.real(6), select.real(7)};
   building.pipeline = select.text(8);
   building.survey_version = static_cast<std::uint64_t>(select.integer(9));
+  building.publication = select.text(10) == "automatic" ? PublicationPolicy::kAutomatic : PublicationPolicy::kReviewed;
   building.floors = read_floors(connection);
   return building;
 }
@@ -198,6 +202,25 @@ Result<std::uint64_t> BuildingDatabase::count_points() {
 }
 
 Result<std::vector<TransmitterRecord>> BuildingDatabase::transmitters() { return connection_->run(read_transmitters); }
+
+Result<SurveyAck> BuildingDatabase::store_walk_part(const WalkPartDraft& part) {
+  return connection_->run([&](SqliteConnection& sqlite) { return wayfuse::store_walk_part(sqlite, part); });
+}
+Result<std::vector<std::string>> BuildingDatabase::walks_to_place() { return connection_->run(wayfuse::walks_to_place); }
+Result<std::vector<std::string>> BuildingDatabase::walk_parts(const std::string& walk) {
+  return connection_->run([&](SqliteConnection& sqlite) { return read_walk_parts(sqlite, walk); });
+}
+Result<void> BuildingDatabase::mark_placed(const std::string& walk) {
+  return connection_->run([&](SqliteConnection& sqlite) { wayfuse::mark_placed(sqlite, walk); });
+}
+
+Result<std::vector<AccessPointRecord>> BuildingDatabase::access_points() { return connection_->run(read_access_points); }
+Result<void> BuildingDatabase::note_verdicts(const std::vector<AccessPointRecord>& verdicts) {
+  return connection_->run([&](SqliteConnection& sqlite) { write_verdicts(sqlite, verdicts); });
+}
+Result<void> BuildingDatabase::set_trust(Bssid bssid, AccessPointTrust trust, UnixTime at) {
+  return connection_->run([&](SqliteConnection& sqlite) { write_trust(sqlite, bssid, trust, at); });
+}
 
 Result<std::uint64_t> BuildingDatabase::erase(const EraseQuery& query) {
   return connection_->run([&](SqliteConnection& sqlite) {

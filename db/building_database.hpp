@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "db/access_point_record.hpp"
 #include "db/corrector_record.hpp"
 #include "db/floor_image.hpp"
 #include "db/radio_map_record.hpp"
+#include "db/walk_part_record.hpp"
 #include "db/webhook_record.hpp"
 #include "db/zone_record.hpp"
 #include "wayfuse/proto/fingerprint.hpp"
@@ -27,7 +29,8 @@ struct BuildingRecord {
   MagneticField magnetic_field;
   std::vector<Floor> floors;
   std::string pipeline = "default";      ///< preset name
-  std::uint64_t survey_version = 0;      ///< grows with every stored batch; names the radio map built from it
+  std::uint64_t survey_version = 0;      ///< grows with every stored batch
+  PublicationPolicy publication = PublicationPolicy::kAutomatic;
   bool operator==(const BuildingRecord&) const = default;
 };
 
@@ -101,6 +104,18 @@ class BuildingDatabase {
   Result<std::uint64_t> count_points();
   Result<std::vector<TransmitterRecord>> transmitters();
 
+  /// Keeps a part of a recorded walk; its scans are not among the points before they are placed. Faults: kIdempotencyConflict;
+  /// kConflict when the walk has another part of that number, has ended, or came as placed points before.
+  Result<SurveyAck> store_walk_part(const WalkPartDraft& part);
+  /// Walks that are complete and not placed yet, oldest first; their parts' contents; and the word that they are placed.
+  Result<std::vector<std::string>> walks_to_place();
+  Result<std::vector<std::string>> walk_parts(const std::string& walk);
+  Result<void> mark_placed(const std::string& walk);
+
+  Result<std::vector<AccessPointRecord>> access_points();  ///< with a verdict or an operator's word; ascending
+  Result<void> note_verdicts(const std::vector<AccessPointRecord>& verdicts);  ///< their `trust` is not looked at
+  Result<void> set_trust(Bssid bssid, AccessPointTrust trust, UnixTime at);
+
   /// Takes points out for good, with their scans; what the survey heard is counted anew. The upload's row stays, so a retry
   /// does not bring them back. Answers how many went; the survey version grows if any did.
   Result<std::uint64_t> erase(const EraseQuery& query);
@@ -123,7 +138,8 @@ class BuildingDatabase {
   Result<std::vector<FloorOrdinal>> floor_images();      ///< floors that have one, ascending
   Result<void> remove_floor_image(FloorOrdinal floor);
 
-  /// Keeps a radio map for good; the same content again is the same version.
+  /// Keeps a radio map for good; the same content again is the same version. A new version is above all before it and not below
+  /// its survey's version.
   Result<RadioMapRecord> stage_map(const RadioMapDraft& draft);
   Result<std::vector<RadioMapRecord>> maps();            ///< ascending versions
   Result<std::string> map_content(std::uint64_t version);  ///< checked against its sha256

@@ -1,13 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "wayfuse/proto/time.hpp"
 
 namespace wayfuse {
 
-/// A radio map about to be staged. What `content` means is the pipeline's matter; the store keeps it byte by byte.
+/// Whether a new map comes into force by itself, or by an operator's word alone.
+enum class PublicationPolicy : std::uint8_t { kAutomatic, kReviewed };
+
+/// A radio map about to be staged. What `content` means is the caller's matter; the store keeps it byte by byte.
 struct RadioMapDraft {
   std::uint64_t survey_version = 0;      ///< of the survey it was built from
   std::string recipe;                    ///< how it was built (pipeline and settings, JSON), so that it can be built again
@@ -55,12 +60,18 @@ struct QualityWalkRecord {
   bool operator==(const QualityWalkRecord&) const = default;
 };
 
+/// With its content: the recording as it was uploaded.
+struct StoredQualityWalk {
+  QualityWalkRecord record;
+  std::string content;
+};
+
 /// How a map did on a walk.
 struct MapQuality {
   std::uint64_t version = 0;
   std::uint64_t walk_id = 0;
   UnixTime measured_at;
-  std::uint64_t instants = 0;            ///< at which the error was taken, at least 1
+  std::uint64_t instants = 0;            ///< answered; all figures below are over these
   double mean_m = 0.0;
   double rmse_m = 0.0;
   double median_m = 0.0;
@@ -68,7 +79,25 @@ struct MapQuality {
   double floor_hit = 0.0;                ///< share, 0..1
   double in68 = 0.0;                     ///< share of truths inside the stated 68 % circle
   double in95 = 0.0;
+  std::uint64_t asked = 0;               ///< instants with truth, answered or not; at least 1
+  std::string measured_with;             ///< the pipeline: name and hash of its settings; a change makes the figures old
+  std::vector<float> error_quantiles_m = {};  ///< 0 %, 1 %, .. 100 %; empty without an answer
   bool operator==(const MapQuality&) const = default;
 };
+
+/// Walks together, weighted by their instants.
+struct PooledQuality {
+  std::uint64_t walks = 0;
+  std::uint64_t asked = 0;
+  std::uint64_t instants = 0;
+  double mean_m = 0.0;
+  double median_m = 0.0;
+  double p90_m = 0.0;
+  double floor_hit = 0.0;
+  double in68 = 0.0;
+  double in95 = 0.0;
+  std::vector<float> error_quantiles_m;  ///< of all instants, each walk's quantiles standing for its own in equal parts
+};
+PooledQuality pool(std::span<const MapQuality> walks);
 
 }  // namespace wayfuse

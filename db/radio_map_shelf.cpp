@@ -1,15 +1,12 @@
 #include "db/radio_map_shelf.hpp"
 
-#include <sodium.h>
+#include <bit>
+
+#include "db/content_hash.hpp"
+#include "db/packing.hpp"
 
 namespace wayfuse {
 namespace {
-
-std::string sha256(std::string_view content) {
-  std::string hash(crypto_hash_sha256_BYTES, '\0');
-  crypto_hash_sha256(reinterpret_cast<unsigned char*>(hash.data()), reinterpret_cast<const unsigned char*>(content.data()), content.size());
-  return hash;
-}
 
 std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::int64_t microseconds(UnixTime time) { return time.time_since_epoch().count(); }
@@ -17,6 +14,21 @@ UnixTime time_of(std::int64_t microseconds) { return UnixTime(Duration(microseco
 
 StoreError not_found(const std::string& what, std::uint64_t id) {
   return StoreError({FaultCode::kNotFound, what, "there is no " + what + " " + std::to_string(id)});
+}
+
+std::string pack_floats(const std::vector<float>& values) {
+  Packer packer;
+  for (const float value : values) packer.u32(std::bit_cast<std::uint32_t>(value));
+  return packer.take();
+}
+std::vector<float> unpack_floats(std::string_view blob) {
+  std::vector<float> values;
+  for (std::size_t at = 0; at + 4 <= blob.size(); at += 4) {
+    std::uint32_t bits = 0;
+    for (std::size_t byte = 4; byte-- > 0;) bits = bits << 8 | static_cast<unsigned char>(blob[at + byte]);
+    values.push_back(std::bit_cast<float>(bits));
+  }
+  return values;
 }
 
 RadioMapRecord map_of(Statement& row) {
@@ -45,8 +57,11 @@ QualityWalkRecord walk_of(Statement& row) {
 RadioMapRecord RadioMapShelf::stage(const RadioMapDraft& draft) {
   const std::string hash = sha256(draft.content);
   Transaction transaction(connection_);
+  // A version is never below its survey's: whoever waits for a survey to be on the map compares the two numbers.
   Statement insert = connection_.prepare(
-      "INSERT INTO radio_map (survey_version, recipe, built_at_us, sha256, content) VALUES (?, ?, ?, ?, ?) ON CONFLICT (sha256) DO NOTHING");
+      "INSERT INTO radio_map (version, survey_version, recipe, built_at_us, sha256, content) SELECT max(?1, 1 + max("
+      "coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'radio_map'), 0), coalesce((SELECT max(version) FROM radio_map), 0))), "
+      "?1, ?2, ?3, ?4, ?5 WHERE NOT EXISTS (SELECT 1 FROM radio_map WHERE sha256 = ?4)");
   insert.bind(1, number(draft.survey_version)).bind_text(2, draft.recipe).bind(3, microseconds(draft.built_at));
   insert.bind_blob(4, hash).bind_blob(5, draft.content).run();
   Statement find = connection_.prepare(
@@ -187,21 +202,28 @@ void RadioMapShelf::note_quality(const MapQuality& quality) {
   if (!map.bind(1, number(quality.version)).step()) throw not_found("radio map", quality.version);
   Statement walk = connection_.prepare("SELECT 1 FROM quality_walk WHERE id = ?");
   if (!walk.bind(1, number(quality.walk_id)).step()) throw not_found("quality walk", quality.walk_id);
-  Statement write = connection_.prepare("INSERT OR REPLACE INTO map_quality VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement write = connection_.prepare(
+      "INSERT OR REPLACE INTO map_quality (version, walk_id, measured_at_us, measured_with, asked, instants, mean_m, rmse_m, median_m, p90_m, "
+      "floor_hit, in68, in95, error_quantiles_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  const std::string quantiles = pack_floats(quality.error_quantiles_m);
   write.bind(1, number(quality.version)).bind(2, number(quality.walk_id)).bind(3, microseconds(quality.measured_at));
-  write.bind(4, number(quality.instants)).bind(5, quality.mean_m).bind(6, quality.rmse_m).bind(7, quality.median_m);
-  write.bind(8, quality.p90_m).bind(9, quality.floor_hit).bind(10, quality.in68).bind(11, quality.in95).run();
+  write.bind_text(4, quality.measured_with).bind(5, number(quality.asked)).bind(6, number(quality.instants)).bind(7, quality.mean_m);
+  write.bind(8, quality.rmse_m).bind(9, quality.median_m).bind(10, quality.p90_m).bind(11, quality.floor_hit).bind(12, quality.in68);
+  write.bind(13, quality.in95).bind_blob(14, quantiles).run();
   transaction.commit();
 }
 
 std::vector<MapQuality> RadioMapShelf::qualities(std::uint64_t version) {
-  Statement select = connection_.prepare("SELECT * FROM map_quality WHERE version = ? ORDER BY walk_id");
+  Statement select = connection_.prepare(
+      "SELECT version, walk_id, measured_at_us, instants, mean_m, rmse_m, median_m, p90_m, floor_hit, in68, in95, asked, measured_with, "
+      "error_quantiles_m FROM map_quality WHERE version = ? ORDER BY walk_id");
   select.bind(1, number(version));
   std::vector<MapQuality> measured;
   while (select.step()) {
     measured.push_back({static_cast<std::uint64_t>(select.integer(0)), static_cast<std::uint64_t>(select.integer(1)), time_of(select.integer(2)),
                         static_cast<std::uint64_t>(select.integer(3)), select.real(4), select.real(5), select.real(6), select.real(7),
-                        select.real(8), select.real(9), select.real(10)});
+                        select.real(8), select.real(9), select.real(10), static_cast<std::uint64_t>(select.integer(11)),
+                        std::string(select.text(12)), unpack_floats(select.blob(13))});
   }
   return measured;
 }

@@ -3,6 +3,7 @@
 
 #include "db/packing.hpp"
 #include "db/survey_store.hpp"
+#include "db/walk_part_table.hpp"
 
 namespace wayfuse {
 namespace {
@@ -69,6 +70,7 @@ std::uint64_t erase_points(SqliteConnection& connection, const EraseQuery& query
   connection.execute("PRAGMA secure_delete = ON");  // an erased place is overwritten, not merely unlinked
   connection.prepare("DELETE FROM scan WHERE point_id IN (SELECT id FROM doomed)").run();
   connection.prepare("DELETE FROM reference_point WHERE id IN (SELECT id FROM doomed)").run();
+  forget_emptied_walks(connection);
   connection.execute("PRAGMA secure_delete = OFF");
   write_transmitters(connection, count_anew(connection));
   connection.prepare("UPDATE building SET survey_version = survey_version + 1").run();

@@ -5,6 +5,7 @@
 #include "db/body_hash.hpp"
 #include "db/packing.hpp"
 #include "db/radio_map_shelf.hpp"
+#include "db/walk_part_table.hpp"
 
 namespace wayfuse {
 namespace {
@@ -108,6 +109,10 @@ class Verification {
     };
     for (const RadioMapRecord& map : shelf.maps()) check([&] { shelf.content(map.version); });
     for (const QualityWalkRecord& walk : shelf.walks()) check([&] { shelf.walk_content(walk.id); });
+    std::vector<std::string> recorded;
+    Statement walks = connection_.prepare("SELECT DISTINCT walk FROM walk_part ORDER BY walk");
+    while (walks.step()) recorded.emplace_back(walks.text(0));
+    for (const std::string& walk : recorded) check([&] { read_walk_parts(connection_, walk); });
   }
 
   SqliteConnection& connection_;

@@ -118,7 +118,7 @@ TEST_F(RadioMaps, CannotBeChangedNotEvenByHand) {
   EXPECT_EQ(sqlite3_exec(connection, "DROP TRIGGER radio_map_is_immutable; UPDATE radio_map SET content = x'62'", nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(connection);
-  EXPECT_THAT(database_.verify()->wrong, ElementsAre("radio map 1 is not what was stored: a bit has changed"));
+  EXPECT_THAT(database_.verify()->wrong, ElementsAre("radio map 3 is not what was stored: a bit has changed"));
   EXPECT_EQ(database_.map_content(a).fault().code, FaultCode::kStoreCorrupt);
 }
 
@@ -134,7 +134,8 @@ TEST_F(RadioMaps, AreMeasuredByRecordedWalks) {
   EXPECT_THAT(database_.quality_walks().value(), ElementsAre(*walk));
   EXPECT_EQ(database_.quality_walk_content(walk->id).value(), "recording bytes");
 
-  MapQuality quality{a, walk->id, UnixTime(std::chrono::seconds(1'700'000'200)), 120, 3.1, 4.2, 2.6, 6.0, 0.99, 0.7, 0.96};
+  MapQuality quality{a, walk->id, UnixTime(std::chrono::seconds(1'700'000'200)), 120, 3.1, 4.2, 2.6, 6.0, 0.99, 0.7, 0.96,
+                     125, "p1@1", std::vector<float>(101, 2.5f)};
   ASSERT_TRUE(database_.note_quality(quality));
   quality.mean_m = 3.0;
   ASSERT_TRUE(database_.note_quality(quality));
