@@ -139,5 +139,49 @@ TEST(Surveyor, SaysWhatWasAskedInTheWrongOrder) {
   EXPECT_FALSE(surveyor.add_point(at(0, 0), 0.5, {}, UnixTime{0s}));
 }
 
+// An hour of walking: every part fits a message, nothing is lost, and the parts follow each other in time.
+TEST(Surveyor, HandsAWalkOverAsRecordedInPartsThatFit) {
+  Surveyor surveyor("m", Random(1));
+  EXPECT_FALSE(surveyor.motion({}));
+  ASSERT_TRUE(surveyor.begin_walk("w"));
+  ASSERT_TRUE(surveyor.mark(PhoneTime{0s}, at(0, 0), 0.3));
+  MotionReport step;
+  step.interval = 500ms;
+  step.steps = 1;
+  step.step_length_m = 0.7;
+  for (int i = 1; i <= 3000; ++i) {
+    step.time = PhoneTime{500ms * i};
+    ASSERT_TRUE(surveyor.motion(step));
+    if (i % 6 == 0) {
+      ASSERT_TRUE(surveyor.scan(scan_at(500ms * i, {{1, 0s}, {2, 1s}, {3, 2s}}), UnixTime{0s}));
+    }
+    if (i % 60 == 0) {
+      ASSERT_TRUE(surveyor.mark(step.time + 1ms, at(i, 0), 0.3));
+    }
+  }
+  const auto parts = surveyor.end_recorded_walk(PhoneTime{0s}, UnixTime{1000s});
+  ASSERT_TRUE(parts);
+  ASSERT_GT(parts->size(), 3u);
+  std::set<std::string> keys;
+  std::size_t marks = 0, motion = 0, scans = 0;
+  PhoneTime newest{-1s};
+  for (std::size_t i = 0; i < parts->size(); ++i) {
+    const SurveyWalk& part = parts->at(i);
+    EXPECT_TRUE(check(ClientMessage(part)));
+    EXPECT_LE(encode(ClientMessage(part), Encoding::kJson).size(), Limits::kMessageBytes);
+    EXPECT_EQ(part.part, i);
+    EXPECT_EQ(part.last, i + 1 == parts->size());
+    EXPECT_EQ(part.walk, "w");
+    keys.insert(part.idempotency_key);
+    marks += part.marks.size(), motion += part.motion.size(), scans += part.scans.size();
+    for (const MotionReport& report : part.motion) EXPECT_GT(report.time, newest), newest = report.time;
+  }
+  EXPECT_EQ(keys.size(), parts->size());
+  EXPECT_EQ(marks, 51u);
+  EXPECT_EQ(motion, 3000u);
+  EXPECT_EQ(scans, 500u);
+  EXPECT_FALSE(surveyor.end_walk()) << "it has ended";
+}
+
 }  // namespace
 }  // namespace wayfuse

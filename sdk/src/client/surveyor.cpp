@@ -7,11 +7,6 @@
 namespace wayfuse {
 namespace {
 
-// Readings heard within this share one place, and so one fingerprint: a radio takes up to 1.8 s to go through its channels,
-// and a fingerprint cut into its channels matches nothing. A walker is within a metre of the middle.
-constexpr Duration kTogether = std::chrono::seconds(2);
-constexpr Duration kSameReading =
-    std::chrono::milliseconds(10);              // phones hand the same reading out again, its age rounded anew
 constexpr std::size_t kBatchBytes = 60 * 1024;  // of points, as JSON; the rest of a frame is for key and wrapping
 
 Fault misused(const char* cause) {
@@ -21,6 +16,46 @@ Fault misused(const char* cause) {
 std::size_t json_bytes(const ReferencePoint& point) {
   return encode(ClientMessage(SurveyBatch{"k", {point}}), Encoding::kJson).size();
 }
+
+/// Cuts a recorded walk into parts, each within the limits of a message.
+class WalkCutter {
+ public:
+  explicit WalkCutter(SurveyWalk head) : head_(std::move(head)), part_(head_) { head_bytes_ = bytes_of(head_); }
+
+  void add(const WayPoint& mark) { keep(mark, part_.marks, &SurveyWalk::marks, Limits::kMarksPerWalkPart); }
+  void add(const MotionReport& report) { keep(report, part_.motion, &SurveyWalk::motion, Limits::kMotionPerWalkPart); }
+  void add(const RssScan& scan) { keep(scan, part_.scans, &SurveyWalk::scans, Limits::kScansPerWalkPart); }
+
+  std::vector<SurveyWalk> finish() {
+    part_.last = true;
+    parts_.push_back(std::move(part_));
+    return std::move(parts_);
+  }
+
+ private:
+  static std::size_t bytes_of(const SurveyWalk& walk) { return encode(ClientMessage(walk), Encoding::kJson).size(); }
+
+  template <typename Item>
+  void keep(const Item& item, std::vector<Item>& list, std::vector<Item> SurveyWalk::*field, std::size_t most) {
+    SurveyWalk alone = head_;
+    (alone.*field).push_back(item);
+    const std::size_t bytes = bytes_of(alone) - head_bytes_ + 1;  // and a comma
+    if (list.size() == most || bytes_ + bytes > kBatchBytes) {
+      parts_.push_back(std::move(part_));
+      part_ = head_;
+      part_.part = static_cast<std::uint32_t>(parts_.size());
+      bytes_ = 0;
+    }
+    list.push_back(item);
+    bytes_ += bytes;
+  }
+
+  SurveyWalk head_;
+  SurveyWalk part_;
+  std::size_t head_bytes_ = 0;
+  std::size_t bytes_ = 0;
+  std::vector<SurveyWalk> parts_;
+};
 
 }  // namespace
 
@@ -46,6 +81,7 @@ Result<void> Surveyor::begin_walk(std::string name) {
   walk_ = std::move(name);
   marks_.clear();
   scans_.clear();
+  motion_.clear();
   return {};
 }
 
@@ -70,10 +106,48 @@ Result<void> Surveyor::end_walk() {
   if (!walking_) return misused("no walk has begun");
   if (marks_.size() < 2) return misused("a walk needs two marks at least");
   walking_ = false;
-  heard_.clear();
+  splitter_ = {};
   for (const auto& [scan, at] : scans_) place_scan(scan, at);
   scans_.clear();
   return {};
+}
+
+Result<void> Surveyor::motion(const MotionReport& report) {
+  if (!walking_) return misused("no walk has begun");
+  if (auto checked = check(report, "motion"); !checked) return checked;
+  motion_.push_back(report);
+  return {};
+}
+
+Result<std::vector<SurveyWalk>> Surveyor::end_recorded_walk(PhoneTime phone, UnixTime wall) {
+  if (!walking_) return misused("no walk has begun");
+  if (marks_.size() < 2) return misused("a walk needs two marks at least");
+  walking_ = false;
+  WalkCutter cutter({{}, walk_, 0, false, device_model_, wall, phone, {}, {}, {}});
+  std::stable_sort(motion_.begin(), motion_.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  std::stable_sort(scans_.begin(), scans_.end(), [](const auto& a, const auto& b) { return a.first.time < b.first.time; });
+  auto mark = marks_.begin();
+  auto report = motion_.begin();
+  auto scan = scans_.begin();
+  // In the order of time, so that every part is a piece of the walk.
+  while (mark != marks_.end() || report != motion_.end() || scan != scans_.end()) {
+    const PhoneTime next_mark = mark != marks_.end() ? mark->time : PhoneTime::max();
+    const PhoneTime next_report = report != motion_.end() ? report->time : PhoneTime::max();
+    const PhoneTime next_scan = scan != scans_.end() ? scan->first.time : PhoneTime::max();
+    if (next_mark <= next_report && next_mark <= next_scan) {
+      cutter.add(WayPoint{mark->time, mark->place, mark->sigma_m});
+      ++mark;
+    } else if (next_report <= next_scan) {
+      cutter.add(*report++);
+    } else {
+      cutter.add((scan++)->first);
+    }
+  }
+  scans_.clear();
+  motion_.clear();
+  std::vector<SurveyWalk> parts = cutter.finish();
+  for (SurveyWalk& part : parts) part.idempotency_key = new_key();
+  return parts;
 }
 
 std::optional<Surveyor::Spot> Surveyor::where(PhoneTime time) const {
@@ -89,30 +163,16 @@ std::optional<Surveyor::Spot> Surveyor::where(PhoneTime time) const {
   return Spot{{point, a.place.floor}, std::max(a.sigma_m, b.sigma_m)};
 }
 
-// One point for every group of readings heard together; inside it the scan's time is when the newest of them was heard.
+// One point for every group of readings heard together.
 void Surveyor::place_scan(const RssScan& scan, UnixTime at) {
-  std::vector<ScanReading> readings;
-  for (const ScanReading& reading : scan.readings) {
-    const PhoneTime heard = scan.time - reading.age;
-    const auto [last, first_time] = heard_.try_emplace(reading.bssid, heard);
-    if (!first_time && heard <= last->second + kSameReading) continue;
-    last->second = heard;
-    readings.push_back(reading);
-  }
-  std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.age < b.age; });
-  for (std::size_t begin = 0, end; begin < readings.size(); begin = end) {
-    const Duration newest = readings[begin].age;
-    for (end = begin; end < readings.size() && readings[end].age - newest <= kTogether;) ++end;
-    const Duration middle = (newest + readings[end - 1].age) / 2;
-    const auto spot = where(scan.time - middle);
+  for (HeardTogether& heard : splitter_.split(scan)) {
+    const auto spot = where(heard.middle);
     if (!spot) {
-      left_out_ += end - begin;
+      left_out_ += heard.scan.readings.size();
       continue;
     }
-    RssScan heard{scan.time - newest,
-                  {readings.begin() + static_cast<std::ptrdiff_t>(begin), readings.begin() + static_cast<std::ptrdiff_t>(end)}};
-    for (ScanReading& reading : heard.readings) reading.age -= newest;
-    keep({spot->place, spot->sigma_m, device_model_, walk_, at - newest, {std::move(heard)}});
+    const UnixTime heard_at = at - (scan.time - heard.scan.time);
+    keep({spot->place, spot->sigma_m, device_model_, walk_, heard_at, {std::move(heard.scan)}});
   }
 }
 

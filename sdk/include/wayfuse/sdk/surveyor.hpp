@@ -1,20 +1,20 @@
 #pragma once
 
 #include <optional>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "wayfuse/proto/message.hpp"
 #include "wayfuse/proto/random.hpp"
+#include "wayfuse/proto/scan_splitter.hpp"
 
 namespace wayfuse {
 
 /// Collects reference points and cuts them into batches with idempotency keys, ready for Client::upload.
 ///
 /// Thread: confined to its owner. Positions between two marks of a walk lie on the straight line between them, at a steady
-/// pace: mark every turn, every stop and every start.
+/// pace: mark every turn, every stop and every start. Or hand the walk over as recorded, with the phone's motion.
 class Surveyor {
  public:
   Surveyor(std::string device_model, Random random);
@@ -31,6 +31,12 @@ class Surveyor {
   /// them. What the phone's cache repeats from an earlier scan counts once. Readings heard before the first mark,
   /// after the last one or between marks of two floors have no place: they are left out and counted.
   Result<void> end_walk();
+  /// What the phone's motion tracker reports on the way, for end_recorded_walk().
+  Result<void> motion(const MotionReport& report);
+  /// Instead of end_walk(): the walk as it was recorded, in parts that fit a message each; the server places the scans between
+  /// the marks by the motion, so that bends need no mark. `wall` is `phone` on the wall clock. Each part goes to
+  /// Client::upload and is sent again after a break until it is acknowledged.
+  Result<std::vector<SurveyWalk>> end_recorded_walk(PhoneTime phone, UnixTime wall);
 
   /// Batches ready to upload, each within the limits; hands them over once.
   std::vector<SurveyBatch> take_batches();
@@ -56,7 +62,8 @@ class Surveyor {
   std::string walk_;
   std::vector<Mark> marks_;
   std::vector<std::pair<RssScan, UnixTime>> scans_;
-  std::map<Bssid, PhoneTime> heard_;  // in this walk, the newest reading placed
+  std::vector<MotionReport> motion_;
+  ScanSplitter splitter_;
   std::size_t left_out_ = 0;
 };
 
