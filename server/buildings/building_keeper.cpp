@@ -3,17 +3,27 @@
 #include <algorithm>
 #include <exception>
 
+#include "server/buildings/walk_placing.hpp"
 #include "server/pipeline/corrector.hpp"
 
 namespace wayfuse {
 
-BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, bool gate)
-    : store_(store), shelf_(shelf), run_(std::move(run)), gate_(gate) {}
+BuildingKeeper::BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, Settings settings)
+    : store_(store), shelf_(shelf), run_(std::move(run)), settings_(std::move(settings)) {}
 
 void BuildingKeeper::refresh(BuildingId id) {
   {
     const std::lock_guard lock(mutex_);
     if (stopped_) return;
+    if (settings_.now && settings_.least_between > Duration{0}) {
+      const ServerTime now = settings_.now();
+      const auto made = made_.find(id);
+      if (made != made_.end() && now < made->second + settings_.least_between) {
+        due_.try_emplace(id, made->second + settings_.least_between);
+        return;
+      }
+    }
+    due_.erase(id);
     const auto [work, fresh] = working_.try_emplace(id);
     if (!fresh) {
       work->second.again = true;
@@ -21,6 +31,19 @@ void BuildingKeeper::refresh(BuildingId id) {
     }
   }
   begin(id);
+}
+
+void BuildingKeeper::tick() {
+  std::vector<BuildingId> ripe;
+  {
+    const std::lock_guard lock(mutex_);
+    if (due_.empty() || !settings_.now) return;
+    const ServerTime now = settings_.now();
+    for (const auto& [id, time] : due_) {
+      if (time <= now) ripe.push_back(id);
+    }
+  }
+  for (const BuildingId id : ripe) refresh(id);
 }
 
 void BuildingKeeper::begin(BuildingId id) {
@@ -33,46 +56,139 @@ void BuildingKeeper::read(BuildingId id, Result<BuildingDatabase*> database) {
     return done(id, std::nullopt);
   }
   if (!database) return done(id, database.fault());
-  auto survey = read_survey(**database);
-  if (!survey) return done(id, survey.fault());
-  run_([this, id, survey = std::make_shared<Survey>(*std::move(survey))] { build(id, std::move(*survey)); });
+  if (const auto placed = place_recorded_walks(**database); !placed) return done(id, placed.fault());
+  auto round = read_round(**database);
+  if (!round) return done(id, round.fault());
+  run_([this, id, round = std::make_shared<Round>(*std::move(round))] { build(id, std::move(*round)); });
 }
 
-Result<BuildingKeeper::Survey> BuildingKeeper::read_survey(BuildingDatabase& database) {
+Result<BuildingKeeper::Round> BuildingKeeper::read_round(BuildingDatabase& database) {
   auto record = database.building();
   if (!record) return record.fault();
-  const auto corrector = database.corrector(record->pipeline);
-  if (!corrector) return corrector.fault();
-  const bool current = *corrector && (*corrector)->survey_version == record->survey_version && Corrector::parse((*corrector)->content);
-  Survey survey{*std::move(record), {}, current ? (*corrector)->content : std::string{}};
-  for (PointQuery query;;) {
-    auto page = database.points(query);
-    if (!page) return page.fault();
-    if (page->empty()) return survey;
-    query.after_id = page->back().id;
-    for (StoredPoint& stored : *page) survey.points.push_back(std::move(stored.point));
+  Round round{*std::move(record), {}, {}, {}, {}};
+  MapVersions versions(database);
+  // A full disk keeps a new version from being written; what is live serves on.
+  const auto renewed = renew(database, round.record, round);
+  if (!renewed && renewed.fault().code != FaultCode::kStorageFull && renewed.fault().code != FaultCode::kStorageFailed) return renewed.fault();
+  const auto live = versions.live();
+  if (!live) return live.fault();
+  if (!*live && !renewed) {
+    auto survey = versions.survey_as_it_stands();
+    if (!survey) return survey.fault();
+    round.live = *std::move(survey);
   }
+  if (!*live) return round;
+  auto material = versions.material(**live);
+  if (!material) return material.fault();
+  round.live = *std::move(material);
+  round.expected_live = round.live.version;
+  const auto corrector = database.corrector(round.record.pipeline);
+  if (!corrector) return corrector.fault();
+  const bool current = *corrector && (*corrector)->survey_version == round.live.version && Corrector::parse((*corrector)->content);
+  if (current) round.live.corrector = (*corrector)->content;
+  return round;
 }
 
-void BuildingKeeper::build(BuildingId id, Survey survey) {
+// Stages the survey as it stands, and promotes it or leaves it to the judge.
+Result<void> BuildingKeeper::renew(BuildingDatabase& database, const BuildingRecord& record, Round& round) {
+  MapVersions versions(database);
+  const auto automatic = versions.automatic(record);
+  if (!automatic) return automatic.fault();
+  if (!*automatic) return {};
+  const auto staged = versions.stage(wall_now());
+  if (!staged) {
+    if (staged.fault().code == FaultCode::kEmptyRadioMap) return {};
+    return staged.fault();
+  }
+  const auto settled = versions.is_settled(*staged);
+  if (!settled) return settled.fault();
+  if (*settled) return {};
+  const auto live = database.live_map();
+  if (!live) return live.fault();
+  auto walks = database.quality_walks();
+  if (!walks) return walks.fault();
+  if (!settings_.judge || walks->empty() || !*live) {
+    Publication publication;
+    publication.version = staged->version;
+    publication.at = wall_now();
+    publication.reason = "by itself: survey version " + std::to_string(staged->survey_version);
+    const auto promoted = database.promote(publication, *live);
+    if (!promoted) return promoted.fault();
+    made_a_version(record.id);
+    return {};
+  }
+  auto candidate = versions.material(*staged);
+  if (!candidate) return candidate.fault();
+  for (const QualityWalkRecord& walk : *walks) {
+    auto content = database.quality_walk_content(walk.id);
+    if (!content) return content.fault();
+    round.walks.push_back({walk, *std::move(content)});
+  }
+  round.candidate = *std::move(candidate);
+  return {};
+}
+
+void BuildingKeeper::build(BuildingId id, Round round) {
   try {
-    auto building = Building::make(std::move(survey.record), std::move(survey.points), gate_, survey.corrector);
-    if (!building) return done(id, building.fault());
-    keep(**building, survey.corrector);
-    shelf_.put(*std::move(building));
-    done(id, std::nullopt);
+    const std::string stored = round.live.corrector;
+    auto live = Building::make(round.record, std::move(round.live), settings_.gate);
+    if (!live) return done(id, live.fault());
+    if (!round.candidate) {
+      keep(**live, stored);
+      shelf_.put(*std::move(live));
+      return done(id, std::nullopt);
+    }
+    auto candidate = Building::make(round.record, std::move(*round.candidate), settings_.gate);
+    if (!candidate) return done(id, candidate.fault());
+    MapJudgement judgement = settings_.judge(**candidate, live->get(), round.walks);
+    conclude(id, *std::move(candidate), *std::move(live), std::move(round), std::move(judgement));
   } catch (const std::exception& broken) {  // out of memory over one huge survey must not end the server
     done(id, Fault{FaultCode::kInternal, "building", broken.what()});
   }
 }
 
-// Trained once a survey version: the next start finds it. A disk that does not take it only costs the training again.
+// Trained once a map version: the next start finds it. A disk that does not take it only costs the training again.
 void BuildingKeeper::keep(const Building& building, const std::string& stored) {
-  CorrectorRecord corrector{building.record().pipeline, building.record().survey_version, building.learnt()};
+  CorrectorRecord corrector{building.record().pipeline, building.map_version(), building.learnt()};
   if (corrector.content.empty() || corrector.content == stored) return;
   store_.with_building(building.record().id, [corrector = std::move(corrector)](Result<BuildingDatabase*> database) {
     if (database) static_cast<void>((*database)->keep_corrector(corrector));
   });
+}
+
+// Writes down what the judge found; only then, and only if nobody else published meanwhile, the candidate comes into force.
+void BuildingKeeper::conclude(BuildingId id, std::shared_ptr<const Building> candidate, std::shared_ptr<const Building> live, Round round,
+                              MapJudgement judgement) {
+  store_.with_building(id, [this, id, candidate = std::move(candidate), live = std::move(live), expected = round.expected_live,
+                            judgement = std::move(judgement)](Result<BuildingDatabase*> database) {
+    if (!database) return done(id, database.fault());
+    for (const MapQuality& quality : judgement.qualities) {
+      // A walk removed meanwhile takes its figures with it.
+      if (const auto noted = (*database)->note_quality(quality); !noted && noted.fault().code != FaultCode::kNotFound) return done(id, noted.fault());
+    }
+    bool promoted = false;
+    if (judgement.publish) {
+      Publication publication;
+      publication.version = candidate->site()->radio_map_version;
+      publication.at = wall_now();
+      publication.reason = "by itself: " + judgement.reason;
+      const auto published = (*database)->promote(publication, expected);
+      if (!published && published.fault().code != FaultCode::kConflict) return done(id, published.fault());
+      promoted = published.has_value();
+    }
+    if (promoted) {
+      made_a_version(id);
+      keep(*candidate, {});
+    }
+    shelf_.put(promoted ? candidate : live);
+    done(id, std::nullopt);
+  });
+}
+
+void BuildingKeeper::made_a_version(BuildingId id) {
+  if (!settings_.now) return;
+  const std::lock_guard lock(mutex_);
+  made_.insert_or_assign(id, settings_.now());
 }
 
 void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {

@@ -11,27 +11,47 @@
 
 #include "db/database_directory.hpp"
 #include "server/buildings/building_shelf.hpp"
+#include "server/buildings/map_versions.hpp"
 
 namespace wayfuse {
 
-/// Keeps the shelf true to the store: reads a changed building on the store's thread, builds its snapshot on a worker and
-/// swaps it in. Changes that come while one is being built are taken together in the next round.
+/// What the gate says of a candidate, and the figures to keep.
+struct MapJudgement {
+  bool publish = true;
+  std::string reason;
+  std::vector<MapQuality> qualities;
+};
+
+/// Keeps the shelf true to the store: places recorded walks, builds a version from a changed survey where the building's maps
+/// come into force by themselves, and swaps the snapshot of the live version in. Changes that come while one is being built are
+/// taken together in the next round.
 ///
 /// Thread: any; one mutex, never held while calling out. Must outlive the store's and the workers' tasks: see settle().
 class BuildingKeeper {
  public:
   /// Runs a task some time later, off the caller's thread (or inline, in a simulation).
   using Run = std::function<void(std::function<void()>)>;
+  /// Holds a candidate against what is in force (null: nothing is) on the building's quality walks. On a worker.
+  using Judge = std::function<MapJudgement(const Building& candidate, const Building* live, const std::vector<StoredQualityWalk>& walks)>;
+  struct Settings {
+    Duration least_between{0};           ///< from a version that came by itself to the next round; changes wait for tick()
+    Judge judge;                         ///< absent: every version comes into force
+    std::function<ServerTime()> now;     ///< absent: nothing ever waits
+    std::function<UnixTime()> wall_now;  ///< absent: versions bear the time 0
+    bool gate = true;                    ///< points the rest of a survey contradicts stay out of its map; off only to measure it
+  };
 
-  /// `gate`: whether points the rest of a survey contradicts stay out of its map; off only to measure what it is worth.
-  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, bool gate = true);
+  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run, Settings settings);
+  BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run) : BuildingKeeper(store, shelf, std::move(run), Settings{}) {}
 
   void refresh(BuildingId id);
+  /// Refreshes what has waited long enough; about once a second.
+  void tick();
   /// No new reads from here on; what is being built is finished.
   void stop();
   /// Buildings that could not be made ready, with the reason.
   std::vector<std::pair<BuildingId, Fault>> failures() const;
-  /// Nothing is being built and nothing waits.
+  /// Nothing is being built and nothing waits for a build.
   bool settled() const;
   /// Waits until settled(). Never ends while somebody surveys: a server that starts waits for wait_for_first_round().
   void settle() const;
@@ -43,25 +63,35 @@ class BuildingKeeper {
   struct Work {
     bool again = false;
   };
-  struct Survey {
+  /// What one round read: the live version, and a candidate where one is to be judged.
+  struct Round {
     BuildingRecord record;
-    std::vector<ReferencePoint> points;
-    std::string corrector;         // of the building's own pipeline, if it learnt it from these points
+    MapMaterial live;
+    std::optional<MapMaterial> candidate;
+    std::optional<std::uint64_t> expected_live;
+    std::vector<StoredQualityWalk> walks;
   };
   void begin(BuildingId id);
   void read(BuildingId id, Result<BuildingDatabase*> database);
-  void build(BuildingId id, Survey survey);
+  Result<Round> read_round(BuildingDatabase& database);
+  Result<void> renew(BuildingDatabase& database, const BuildingRecord& record, Round& round);
+  void build(BuildingId id, Round round);
+  void conclude(BuildingId id, std::shared_ptr<const Building> candidate, std::shared_ptr<const Building> live, Round round,
+                MapJudgement judgement);
+  void made_a_version(BuildingId id);
   void keep(const Building& building, const std::string& stored);
   void done(BuildingId id, std::optional<Fault> fault);
-  static Result<Survey> read_survey(BuildingDatabase& database);
+  UnixTime wall_now() const { return settings_.wall_now ? settings_.wall_now() : UnixTime{}; }
 
   DatabaseDirectory& store_;
   BuildingShelf& shelf_;
   const Run run_;
-  const bool gate_;
+  const Settings settings_;
   mutable std::mutex mutex_;
   mutable std::condition_variable settled_;
   std::map<BuildingId, Work> working_;
+  std::map<BuildingId, ServerTime> made_;     // when the newest version came by itself
+  std::map<BuildingId, ServerTime> due_;      // waiting for their time
   std::map<BuildingId, Fault> failures_;
   std::set<BuildingId> once_done_;
   std::uint64_t rebuilds_ = 0;

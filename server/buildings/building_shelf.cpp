@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "server/buildings/deaf_tracker.hpp"
+#include "server/buildings/device_offsets.hpp"
 #include "wayfuse/proto/magnetic_model.hpp"
 
 namespace wayfuse {
@@ -35,6 +37,19 @@ std::vector<DoubtfulPoint> take_doubtful(std::vector<ReferencePoint>& survey) {
   return taken;
 }
 
+// The survey as if those transmitters had never been heard; a point that heard nothing else says nothing.
+std::vector<ReferencePoint> without(std::vector<ReferencePoint> survey, const std::vector<Bssid>& distrusted) {
+  if (distrusted.empty()) return survey;
+  for (ReferencePoint& point : survey) {
+    for (RssScan& scan : point.scans) {
+      std::erase_if(scan.readings, [&](const ScanReading& reading) { return std::ranges::binary_search(distrusted, reading.bssid); });
+    }
+    std::erase_if(point.scans, [](const RssScan& scan) { return scan.readings.empty(); });
+  }
+  std::erase_if(survey, [](const ReferencePoint& point) { return point.scans.empty(); });
+  return survey;
+}
+
 std::size_t count_known(std::span<const Bssid> known, std::span<const Bssid> heard) {
   return static_cast<std::size_t>(
       std::ranges::count_if(heard, [&](Bssid bssid) { return std::ranges::binary_search(known, bssid); }));
@@ -50,10 +65,23 @@ double year_of(const std::vector<ReferencePoint>& survey) {
 
 }  // namespace
 
-Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate,
-                                                        std::string corrector) {
+Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate) {
+  MapMaterial map;
+  map.version = map.survey_version = record.survey_version;
+  map.points = std::move(survey);
+  return make(std::move(record), std::move(map), gate);
+}
+
+Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, MapMaterial map, bool gate) {
   std::shared_ptr<Building> building(new Building());
-  if (gate) building->doubts_ = take_doubtful(survey);
+  apply_device_offsets(map.device_offsets_db, map.points);
+  if (gate) building->doubts_ = take_doubtful(map.points);
+  if (!map.distrusted.empty()) building->surveyed_ = map.points;
+  std::vector<ReferencePoint> survey = without(std::move(map.points), map.distrusted);
+  building->distrusted_ = std::move(map.distrusted);
+  building->map_is_whole_ = map.whole;
+  building->qualities_ = std::move(map.qualities);
+  building->map_survey_version_ = map.survey_version;
   building->transmitters_ = transmitters_of(survey);
   // An operator who tells where the building lies need not look its declination up.
   if (record.georeference && record.magnetic_field == MagneticField{} && !survey.empty()) {
@@ -65,8 +93,8 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, st
   site->magnetic_field = record.magnetic_field;
   site->floors = record.floors;
   site->survey = std::move(survey);
-  site->radio_map_version = record.survey_version;
-  site->corrector = std::move(corrector);
+  site->radio_map_version = map.version;
+  site->corrector = std::move(map.corrector);
   building->site_ = std::move(site);
   building->record_ = std::move(record);
   const auto own = building->pipeline("");
@@ -77,6 +105,17 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, st
 std::vector<std::string> Building::remarks() const { return pipeline("").value()->remarks(); }
 
 std::string Building::learnt() const { return pipeline("").value()->learnt(); }
+
+std::shared_ptr<const SurveyLevels> Building::levels() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (levels_) return levels_;
+  }
+  const auto made = std::make_shared<const SurveyLevels>(distrusted_.empty() ? site_->survey : surveyed_);
+  const std::lock_guard lock(mutex_);
+  if (!levels_) levels_ = made;
+  return levels_;
+}
 
 Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::string& name) const {
   const std::string& wanted = name.empty() ? record_.pipeline : name;
@@ -90,7 +129,7 @@ Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::stri
   const auto factory = assemble(*spec, site_);
   if (!factory) return factory.fault();
   const std::lock_guard lock(mutex_);
-  return pipelines_.try_emplace(wanted, *factory).first->second;
+  return pipelines_.try_emplace(wanted, deaf_to(distrusted_, *factory)).first->second;
 }
 
 std::shared_ptr<const Building> BuildingShelf::find(BuildingId id) const {

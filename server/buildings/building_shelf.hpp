@@ -11,6 +11,8 @@
 
 #include "db/building_database.hpp"
 #include "server/buildings/doubtful_point.hpp"
+#include "server/buildings/map_versions.hpp"
+#include "server/buildings/survey_levels.hpp"
 #include "server/pipeline/tracker.hpp"
 
 namespace wayfuse {
@@ -18,14 +20,25 @@ namespace wayfuse {
 /// An immutable snapshot of a building, ready to track in: what sessions hold while a newer one is made.
 class Building {
  public:
-  /// Builds the radio map and the building's own pipeline; other presets are made when first asked for. Points that the rest
-  /// of the survey contradicts stay out of every pipeline's map (and stay in the store): doubts(). `corrector`: what the
-  /// building's own pipeline learnt from this very survey before; empty = it learns anew.
-  static Result<std::shared_ptr<const Building>> make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate = true,
-                                                      std::string corrector = {});
+  /// Builds the radio map and the building's own pipeline; other presets are made when first asked for.
+  /// Readings of distrusted transmitters are left out of the map, and its trackers do not hear them. Points that the rest of the
+  /// survey contradicts stay out of every pipeline's map (and stay in the store): doubts().
+  static Result<std::shared_ptr<const Building>> make(BuildingRecord record, MapMaterial map, bool gate = true);
+  /// From a survey alone, under its own version's number.
+  static Result<std::shared_ptr<const Building>> make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate = true);
 
   const BuildingRecord& record() const { return record_; }
   const std::shared_ptr<const Site>& site() const { return site_; }
+  /// Of the map every fix of this snapshot names; 0 = the building has none.
+  std::uint64_t map_version() const { return site_->radio_map_version; }
+  std::uint64_t map_survey_version() const { return map_survey_version_; }
+  /// Transmitters the map leaves out, ascending; and whether points were erased since the version was built.
+  std::span<const Bssid> distrusted() const { return distrusted_; }
+  bool map_is_whole() const { return map_is_whole_; }
+  /// How the map did on the quality walks when this snapshot was made.
+  const std::vector<MapQuality>& qualities() const { return qualities_; }
+  /// What the survey says phones should hear, distrusted transmitters too. Made when first asked for.
+  std::shared_ptr<const SurveyLevels> levels() const;
   /// Empty name = the building's own pipeline. Thread: any.
   Result<std::shared_ptr<const TrackerFactory>> pipeline(const std::string& name) const;
   /// Of the building's own pipeline: what it could not prepare, and what it learnt from the survey (to be kept; empty = nothing).
@@ -42,6 +55,12 @@ class Building {
   std::shared_ptr<const Site> site_;
   std::vector<DoubtfulPoint> doubts_;
   std::vector<Bssid> transmitters_;
+  std::vector<Bssid> distrusted_;
+  std::uint64_t map_survey_version_ = 0;
+  bool map_is_whole_ = true;
+  std::vector<MapQuality> qualities_;
+  std::vector<ReferencePoint> surveyed_;  // as it was, where the map leaves something out; otherwise the site has it
+  mutable std::shared_ptr<const SurveyLevels> levels_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::shared_ptr<const TrackerFactory>> pipelines_;
 };

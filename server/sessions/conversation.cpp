@@ -158,7 +158,7 @@ Welcome welcome_from(const SessionWorld& world, const Building* building, std::o
     welcome.georeference = record.georeference;
     welcome.magnetic_field = record.magnetic_field;
     welcome.pipeline = record.pipeline;
-    welcome.radio_map_version = record.survey_version;
+    welcome.radio_map_version = building->map_version();
     for (const Floor& floor : record.floors) {
       if (welcome.floors.size() < Limits::kFloorsPerMessage) welcome.floors.push_back({floor.ordinal, floor.label});
     }

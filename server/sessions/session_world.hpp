@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <functional>
 
@@ -46,6 +48,15 @@ struct SessionCounters {
   Count position_age_us{0};  ///< summed over positions: from the evidence to the answer, by the phone's clock offset
   Count apply_us{0};         ///< summed over batches: time spent in trackers
   Count batches{0};
+  /// Stated 68 % radii of the positions given: counts up to each bound, beyond the last one, and their sum in mm.
+  static constexpr std::array<double, 8> kRadiusBounds_m = {1, 2, 3, 5, 8, 13, 21, 34};
+  std::array<Count, kRadiusBounds_m.size() + 1> radius_counts{};
+  Count radius_sum_mm{0};
+  void note_radius(double radius_m) {
+    const auto bound = std::ranges::lower_bound(kRadiusBounds_m, radius_m);
+    radius_counts[static_cast<std::size_t>(bound - kRadiusBounds_m.begin())]++;
+    radius_sum_mm += static_cast<std::uint64_t>(radius_m * 1000.0);
+  }
 };
 
 /// All that conversations need from outside. Thread: what it refers to is safe from any strand.
@@ -59,6 +70,8 @@ struct SessionWorld {
   std::function<void(BuildingId)> survey_changed;  ///< a survey batch was committed; any thread
   SessionSettings settings;
   ZoneControl* zones = nullptr;  ///< null = nobody watches zones here, and who asks for their events is told so
+  /// What a placed phone heard, now and then: for the health of access points. May be empty; any thread.
+  std::function<void(std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position)> heard = {};
 };
 
 }  // namespace wayfuse

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "server/sessions/role.hpp"
+#include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse {
 namespace {
@@ -12,39 +13,15 @@ class SurveyRole final : public RoleConversation, public std::enable_shared_from
       : world_(seat.world), output_(seat.output), post_(std::move(seat.post)), building_(building) {}
 
   bool receive(ClientMessage& message) override {
-    if (const auto* walk = std::get_if<SurveyWalk>(&message)) {
-      world_.counters.survey_refused++;
-      output_.send(
-          report({FaultCode::kUnexpectedMessage, "type", "this server takes placed points: send the walk as survey batches"}, 0,
-                 walk->idempotency_key));
+    if (auto* batch = std::get_if<SurveyBatch>(&message)) {
+      if (admit(batch->idempotency_key)) store(std::move(*batch));
       return true;
     }
-    auto* batch = std::get_if<SurveyBatch>(&message);
-    if (!batch) return false;
-    if (in_flight_ >= world_.settings.survey_batches_in_flight) {
-      world_.counters.survey_refused++;
-      output_.send(report({FaultCode::kRateLimited, "", "too many batches wait for the store"}, 0, batch->idempotency_key,
-                          std::chrono::seconds(1)));
+    if (auto* walk = std::get_if<SurveyWalk>(&message)) {
+      if (admit(walk->idempotency_key)) store(std::move(*walk));
       return true;
     }
-    ++in_flight_;
-    const std::string key = batch->idempotency_key;
-    const auto points = batch->points.size();
-    world_.store.store(
-        building_, std::move(*batch),
-        [weak = weak_from_this(), &world = world_, building = building_, post = post_, key, points](Result<SurveyAck> answer) {
-          if (answer) {
-            world.counters.survey_batches++;
-            world.counters.survey_points += points;
-            world.survey_changed(building);
-          } else {
-            world.counters.survey_refused++;
-          }
-          post([weak, key, answer = std::move(answer)] {
-            if (const auto self = weak.lock()) self->stored(key, answer);
-          });
-        });
-    return true;
+    return false;
   }
 
   void tick() override {}
@@ -52,6 +29,48 @@ class SurveyRole final : public RoleConversation, public std::enable_shared_from
   void disconnected() override { connected_ = false; }
 
  private:
+  // False = the connection has too many uploads under way already.
+  bool admit(const std::string& key) {
+    if (in_flight_ < world_.settings.survey_batches_in_flight) {
+      ++in_flight_;
+      return true;
+    }
+    world_.counters.survey_refused++;
+    output_.send(report({FaultCode::kRateLimited, "", "too many batches wait for the store"}, 0, key, std::chrono::seconds(1)));
+    return false;
+  }
+
+  void store(SurveyBatch batch) {
+    auto done = answering(batch.idempotency_key, batch.points.size());
+    world_.store.store(building_, std::move(batch), std::move(done));
+  }
+
+  // A part is kept as it came; the building's keeper places the scans once the walk is whole.
+  void store(SurveyWalk walk) {
+    WalkPartDraft part{walk.idempotency_key, walk.walk, walk.part, walk.last, static_cast<std::uint32_t>(walk.scans.size()), {}};
+    auto done = answering(part.idempotency_key, 0);
+    part.content = encode(ClientMessage(std::move(walk)), Encoding::kCbor);
+    world_.store.with_building(building_, [part = std::move(part), done = std::move(done)](Result<BuildingDatabase*> database) {
+      done(database ? (*database)->store_walk_part(part) : Result<SurveyAck>(database.fault()));
+    });
+  }
+
+  // Counts the answer, on the store's thread, and brings it back to the connection's strand.
+  std::function<void(Result<SurveyAck>)> answering(const std::string& key, std::size_t points) {
+    return [weak = weak_from_this(), &world = world_, building = building_, post = post_, key, points](Result<SurveyAck> answer) {
+      if (answer) {
+        world.counters.survey_batches++;
+        world.counters.survey_points += points;
+        world.survey_changed(building);
+      } else {
+        world.counters.survey_refused++;
+      }
+      post([weak, key, answer = std::move(answer)] {
+        if (const auto self = weak.lock()) self->stored(key, answer);
+      });
+    };
+  }
+
   void stored(const std::string& key, const Result<SurveyAck>& answer) {
     --in_flight_;
     if (!connected_) return;

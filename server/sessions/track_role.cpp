@@ -46,6 +46,7 @@ class TrackRole final : public RoleConversation {
       welcome();
     }
     output_.send(Ack{world_.sessions.epoch(), outcome.applied_through});
+    overhear(*batch, outcome);
     say(outcome);
     return true;
   }
@@ -93,6 +94,20 @@ class TrackRole final : public RoleConversation {
     counters.apply_us += static_cast<std::uint64_t>((world_.clock.now() - arrived).count());
   }
 
+  // One scan every few seconds is enough to watch access points by.
+  void overhear(const SampleBatch& batch, const TrackingSession::Outcome& outcome) {
+    constexpr Duration kEvery = std::chrono::seconds(5);
+    const auto* position = std::get_if<FusedPosition>(&outcome.answer);
+    const auto building = session_->building();
+    if (!world_.heard || !position || !building) return;
+    for (const Sample& sample : batch.samples) {
+      const auto* scan = std::get_if<RssScan>(&sample.body);
+      if (!scan || (overheard_ && scan->time < *overheard_ + kEvery)) continue;
+      overheard_ = scan->time;
+      world_.heard(std::hash<std::string>()(session_->tracked()), *building, *scan, *position);
+    }
+  }
+
   void complain(const TrackingSession::Outcome& outcome) {
     if (outcome.late > 0) {
       output_.send(report({FaultCode::kLate, "samples",
@@ -116,6 +131,7 @@ class TrackRole final : public RoleConversation {
     if (const auto* position = std::get_if<FusedPosition>(&outcome.answer)) {
       const auto age_us = clock_offset_.age(position->valid_at, world_.clock.now()).count();
       world_.counters.positions++;
+      world_.counters.note_radius(position->radius68_m);
       world_.counters.position_age_us += static_cast<std::uint64_t>(age_us > 0 ? age_us : 0);
       world_.board.moved(session_->tracked(), *position, outcome.applied_through, world_.clock.wall_now());
       output_.send(Position{*position, outcome.applied_through});
@@ -140,6 +156,7 @@ class TrackRole final : public RoleConversation {
   ClockOffset clock_offset_;
   std::optional<std::uint64_t> gap_said_after_;
   ScanWishes wishes_;
+  std::optional<PhoneTime> overheard_;
 };
 
 Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {

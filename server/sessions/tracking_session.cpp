@@ -132,7 +132,7 @@ void TrackingSession::settle() {
   if (placed_) return;
   if (!building_ && !resolve()) return;
   const auto newest = buildings_.find(building_->record().id);
-  const bool newer = newest && newest->record().survey_version > building_->record().survey_version;
+  const bool newer = newest && newest->map_version() != building_->map_version();
   if (timeline_ && !newer) return;
   track_in(newer ? newest : building_);
   if (!timeline_) return;

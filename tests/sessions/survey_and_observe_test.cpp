@@ -86,16 +86,57 @@ TEST(SurveyConversation, AnAnswerAfterTheConnectionsEndGoesNowhere) {
   EXPECT_EQ(house.counters.survey_points, 33u);  // durable all the same
 }
 
-TEST(SurveyConversation, AWalkIsRefusedByItsKeySoThatNobodyKeepsSendingIt) {
+// East along the hall's middle row, 1.3 m a second, a scan every 2 s; the phone's compass is a quarter turn off.
+SurveyWalk recorded_walk(std::uint32_t part, bool last) {
+  SurveyWalk walk;
+  walk.idempotency_key = "walk-1-" + std::to_string(part);
+  walk.walk = "morning";
+  walk.part = part;
+  walk.last = last;
+  walk.device_model = "Plan";
+  const double begin_s = 10.0 * part;
+  for (double s = begin_s; s <= begin_s + 10.0; s += 10.0) walk.marks.push_back({at(s + 0.001 * part), {{1.3 * s, 4.0}, FloorOrdinal{0}}, 0.1});
+  for (double s = begin_s + 1.0; s <= begin_s + 10.0; s += 1.0) {
+    MotionReport step;
+    step.time = at(s);
+    step.interval = std::chrono::seconds(1);
+    step.heading = Heading::from_radians(1.57);
+    step.steps = 2;
+    step.step_length_m = 0.7;
+    walk.motion.push_back(step);
+  }
+  for (double s = begin_s + 1.0; s < begin_s + 10.0; s += 2.0) walk.scans.push_back(SessionHouse::hall().scan_at({1.3 * s, 4.0}, at(s)));
+  return walk;
+}
+
+TEST(SurveyConversation, AWalkIsPlacedOnceItsLastPartIsThereAndAsOftenAsItIsSent) {
   SessionHouse house;
   Caller surveyor;
   house.call(surveyor);
-  surveyor.say(hello_as(Role::kSurvey, house.add_building("Hall", false)));
-  SurveyWalk walk;
-  walk.idempotency_key = "walk-1";
-  surveyor.say(walk);
-  EXPECT_EQ(surveyor.output.last<FaultReport>().idempotency_key, "walk-1");
-  EXPECT_EQ(surveyor.output.last<FaultReport>().fault.code, FaultCode::kUnexpectedMessage);
+  const BuildingId hall = house.add_building("Hall", false);
+  surveyor.say(hello_as(Role::kSurvey, hall));
+  surveyor.say(recorded_walk(1, true));
+  house.run_posted();
+  EXPECT_EQ(surveyor.output.last<SurveyAck>().stored, 5u);
+  EXPECT_EQ(house.buildings.find(hall)->map_version(), 0u) << "part 0 is missing: nothing is placed yet";
+  for (int again = 0; again < 2; ++again) {
+    surveyor.say(recorded_walk(0, false));
+    house.run_posted();
+    ASSERT_EQ(surveyor.output.all<FaultReport>().size(), 0u);
+    EXPECT_EQ(surveyor.output.last<SurveyAck>().idempotency_key, "walk-1-0");
+    const auto& survey = house.buildings.find(hall)->site()->survey;
+    ASSERT_EQ(survey.size(), 10u);
+    for (const ReferencePoint& point : survey) {
+      const double s = seconds(point.scans.at(0).time.time_since_epoch());
+      EXPECT_NEAR(point.place.point.x_m, 1.3 * s, 0.05) << s;
+      EXPECT_NEAR(point.place.point.y_m, 4.0, 0.05) << s;
+    }
+  }
+  SurveyWalk other = recorded_walk(0, false);
+  other.idempotency_key = "walk-1-0-again";
+  surveyor.say(other);
+  house.run_posted();
+  EXPECT_EQ(surveyor.output.last<FaultReport>().fault.code, FaultCode::kConflict) << "a part is there once";
 }
 
 TEST(SurveyConversation, UnknownBuildingAndForeignMessages) {

@@ -1,0 +1,222 @@
+#include "server/buildings/building_keeper.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/fixtures/scratch_folder.hpp"
+#include "tests/locating/plan.hpp"
+
+namespace wayfuse {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Building 1 is a hall, 4 m a character. The store has no thread and workers run inline: every round is over when a call returns.
+class KeptBuilding : public testing::Test {
+ protected:
+  KeptBuilding() {
+    DatabaseDirectory::Options options;
+    options.own_thread = false;
+    store = DatabaseDirectory::open(folder.path(), options).value();
+    BuildingRecord record;
+    record.name = "Hall";
+    record.pipeline = "nn";
+    store->create_building(record, [&](Result<BuildingRecord> made) { id = made.value().id; });
+    settings.judge = [this](const Building& candidate, const Building* live, const std::vector<StoredQualityWalk>& walks) {
+      ++judged;
+      EXPECT_NE(live, nullptr);
+      EXPECT_FALSE(walks.empty());
+      MapJudgement judgement{publish, publish ? "same" : "worse", {}};
+      MapQuality quality;
+      quality.version = candidate.map_version();
+      quality.walk_id = walks.front().record.id;
+      quality.asked = quality.instants = 3;
+      judgement.qualities = {quality};
+      return judgement;
+    };
+    keep();
+  }
+  void keep() {
+    keeper = std::make_unique<BuildingKeeper>(*store, shelf, [](std::function<void()> task) { task(); }, settings);
+  }
+
+  static Plan hall() { return Plan({"A....B....C", "...........", "D....E....F"}, 4.0); }
+  void survey(const std::string& key, std::size_t points) {
+    SurveyBatch batch{key, hall().survey(1)};
+    batch.points.resize(points);
+    store->store(id, batch, [](Result<SurveyAck> ack) { EXPECT_TRUE(ack) << to_string(ack.fault()); });
+    keeper->refresh(id);
+  }
+  void on_database(const std::function<void(BuildingDatabase&)>& task) {
+    store->with_building(id, [&](Result<BuildingDatabase*> database) { task(*database.value()); });
+  }
+  void add_walk() {
+    on_database([](BuildingDatabase& database) { EXPECT_TRUE(database.add_quality_walk({"round", "Plan", {}, "recording"})); });
+  }
+  std::uint64_t live() const { return shelf.find(id)->map_version(); }
+  std::size_t points() const { return shelf.find(id)->site()->survey.size(); }
+  std::vector<Publication> publications() {
+    std::vector<Publication> found;
+    on_database([&](BuildingDatabase& database) { found = database.publications().value(); });
+    return found;
+  }
+  void roll_back() {
+    on_database([](BuildingDatabase& database) { EXPECT_TRUE(database.roll_back({})); });
+    keeper->refresh(id);
+  }
+
+  ScratchFolder folder;
+  std::unique_ptr<DatabaseDirectory> store;
+  BuildingShelf shelf;
+  BuildingKeeper::Settings settings;
+  std::unique_ptr<BuildingKeeper> keeper;
+  BuildingId id;
+  bool publish = true;
+  int judged = 0;
+};
+
+TEST_F(KeptBuilding, TheFirstSurveyWorksAtOnceWithoutCeremony) {
+  keeper->refresh(id);
+  EXPECT_EQ(live(), 0u) << "nothing surveyed, no map";
+  survey("a", 5);
+  EXPECT_EQ(live(), 1u);
+  EXPECT_EQ(points(), 5u);
+  ASSERT_EQ(publications().size(), 1u);
+  EXPECT_EQ(publications()[0].by_key, 0u);
+  EXPECT_THAT(publications()[0].reason, HasSubstr("survey version 1"));
+}
+
+TEST_F(KeptBuilding, TheSameSurveyIsTheSameVersionWithTheSameHash) {
+  survey("a", 5);
+  RadioMapRecord first;
+  on_database([&](BuildingDatabase& database) { first = database.maps().value().at(0); });
+  keeper->refresh(id);
+  on_database([&](BuildingDatabase& database) {
+    EXPECT_EQ(database.maps()->size(), 1u);
+    const auto again = MapVersions(database).stage(UnixTime(std::chrono::seconds(99)));
+    EXPECT_EQ(again->version, first.version);
+    EXPECT_EQ(again->sha256, first.sha256);
+    const auto manifest = parse_manifest(database.map_content(first.version).value());
+    EXPECT_EQ(manifest->points, 5u);
+    EXPECT_EQ(to_content(*manifest), database.map_content(first.version).value());
+  });
+}
+
+TEST_F(KeptBuilding, AWorseMapIsHeldBackAndAnotherOneTriedWithTheNextSurvey) {
+  survey("a", 5);
+  add_walk();
+  publish = false;
+  survey("b", 6);
+  EXPECT_EQ(judged, 1);
+  EXPECT_EQ(live(), 1u);
+  EXPECT_EQ(points(), 5u) << "the live version's survey, not today's";
+  keeper->refresh(id);
+  EXPECT_EQ(judged, 1) << "what was judged is not judged again";
+  publish = true;
+  survey("c", 7);
+  EXPECT_EQ(judged, 2);
+  EXPECT_EQ(live(), 3u);
+  EXPECT_EQ(points(), 18u);
+  EXPECT_THAT(publications().back().reason, HasSubstr("same"));
+}
+
+TEST_F(KeptBuilding, ARollbackHoldsUntilSomebodyPromotes) {
+  survey("a", 5);
+  survey("b", 6);
+  EXPECT_EQ(live(), 2u);
+  roll_back();
+  EXPECT_EQ(live(), 1u);
+  survey("c", 7);
+  EXPECT_EQ(live(), 1u) << "new surveys wait: an operator has spoken";
+  on_database([](BuildingDatabase& database) {
+    const auto staged = MapVersions(database).stage({});
+    Publication publication;
+    publication.version = staged->version;
+    publication.by_key = 5;
+    EXPECT_TRUE(database.promote(publication, 1));
+  });
+  keeper->refresh(id);
+  EXPECT_EQ(points(), 18u);
+  survey("d", 8);
+  EXPECT_EQ(points(), 26u) << "and by itself again";
+}
+
+TEST_F(KeptBuilding, AnOlderVersionPromotedByHandHoldsToo) {
+  survey("a", 5);
+  survey("b", 6);
+  on_database([](BuildingDatabase& database) {
+    Publication publication;
+    publication.version = 1;
+    publication.by_key = 5;
+    EXPECT_TRUE(database.promote(publication, 2));
+  });
+  keeper->refresh(id);
+  EXPECT_EQ(live(), 1u) << "not promoted over by what was live before";
+  survey("c", 7);
+  EXPECT_EQ(live(), 1u);
+}
+
+TEST_F(KeptBuilding, AReviewedBuildingWaitsForItsOperator) {
+  on_database([](BuildingDatabase& database) {
+    BuildingRecord record = database.building().value();
+    record.publication = PublicationPolicy::kReviewed;
+    EXPECT_TRUE(database.update(record));
+  });
+  survey("a", 5);
+  EXPECT_EQ(live(), 0u);
+  EXPECT_TRUE(publications().empty());
+}
+
+TEST_F(KeptBuilding, DistrustedTransmittersAreLeftOutOfAVersionOfTheirOwn) {
+  survey("a", 33);
+  const Bssid a{0x1000u + 'A'};
+  on_database([&](BuildingDatabase& database) { EXPECT_TRUE(database.set_trust(a, AccessPointTrust::kNever, {})); });
+  keeper->refresh(id);
+  EXPECT_EQ(live(), 2u);
+  const auto building = shelf.find(id);
+  ASSERT_EQ(building->distrusted().size(), 1u);
+  for (const ReferencePoint& point : building->site()->survey) {
+    for (const ScanReading& reading : point.scans.at(0).readings) EXPECT_NE(reading.bssid, a);
+  }
+  EXPECT_TRUE(building->levels()->knows(a)) << "it is still watched";
+  // A scan in which only the distrusted one shouts from elsewhere: the position does not follow it.
+  const auto tracker = (*building->pipeline(""))->make_tracker(Random(1), {});
+  RssScan scan = hall().scan_at({40, 0}, PhoneTime(std::chrono::seconds(1)));
+  std::erase_if(scan.readings, [&](const ScanReading& reading) { return reading.bssid == a; });
+  scan.readings.push_back({a, -30.0, Duration{0}, 2412, {}, {}});
+  tracker->feed(scan);
+  EXPECT_NEAR(tracker->position(scan.time)->place.point.x_m, 40.0, 0.1);
+  on_database([&](BuildingDatabase& database) { EXPECT_TRUE(database.set_trust(a, AccessPointTrust::kAlways, {})); });
+  keeper->refresh(id);
+  EXPECT_EQ(live(), 1u) << "trusted again it is the very map it was";
+}
+
+TEST_F(KeptBuilding, ErasedPointsAreGoneFromEveryVersionAndItSaysSo) {
+  survey("a", 5);
+  on_database([](BuildingDatabase& database) {
+    BuildingRecord record = database.building().value();
+    record.publication = PublicationPolicy::kReviewed;
+    EXPECT_TRUE(database.update(record));
+    EXPECT_EQ(database.erase({.point_id = 1}).value(), 1u);
+  });
+  keeper->refresh(id);
+  EXPECT_EQ(live(), 1u);
+  EXPECT_EQ(points(), 4u);
+  EXPECT_FALSE(shelf.find(id)->map_is_whole());
+}
+
+TEST_F(KeptBuilding, ManyBatchesAtOnceMakeFewVersions) {
+  ServerTime now{};
+  settings.least_between = std::chrono::seconds(2);
+  settings.now = [&] { return now; };
+  keep();
+  for (int i = 0; i < 20; ++i) survey("b" + std::to_string(i), 1);
+  EXPECT_EQ(points(), 1u) << "the first at once";
+  now += std::chrono::seconds(2);
+  keeper->tick();
+  EXPECT_EQ(points(), 20u) << "the others together";
+  on_database([](BuildingDatabase& database) { EXPECT_EQ(database.maps()->size(), 2u); });
+}
+
+}  // namespace
+}  // namespace wayfuse
