@@ -75,7 +75,7 @@ TrackQuality QualityGauge::read() const {
           share(inside68_), share(inside95_),     rank_correlation(radii_m_, errors_m_)};
 }
 
-TrackQuality check_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random) {
+QualityGauge gauge_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random) {
   std::vector<PhoneTime> times;
   for (const SampleBody& body : track.evidence) {
     if (std::holds_alternative<RssScan>(body)) times.push_back(time_of_evidence(body));
@@ -88,7 +88,11 @@ TrackQuality check_walk(const TrackerFactory& pipeline, const RecordedTrack& tra
   for (const TrackAnswer& answer : replay(pipeline, track, times, random)) {
     if (const auto truth = truth_at(track.marks, answer.time)) gauge.add(*truth, answer.position);
   }
-  return gauge.read();
+  return gauge;
+}
+
+TrackQuality check_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random) {
+  return gauge_walk(pipeline, track, random).read();
 }
 
 }  // namespace wayfuse

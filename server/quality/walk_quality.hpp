@@ -49,6 +49,8 @@ class QualityGauge {
  public:
   void add(const Place& truth, const std::optional<FusedPosition>& answer);
   TrackQuality read() const;
+  /// Of the answers, in the order they came.
+  std::span<const double> errors_m() const { return errors_m_; }
 
  private:
   std::size_t asked_ = 0;
@@ -59,6 +61,8 @@ class QualityGauge {
   std::vector<double> radii_m_;
 };
 
+/// The same, with every single error.
+QualityGauge gauge_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random);
 /// The server's own check: a stored walk under one pipeline, asked at every scan's arrival and every mark.
 TrackQuality check_walk(const TrackerFactory& pipeline, const RecordedTrack& track, Random random);
 

@@ -31,14 +31,16 @@ const std::map<std::string, Rooms>& allowed() {
       {"server/tracking", {"vocabulary"}},
       {"server/pipeline", {"vocabulary", "server/locating", "server/tracking"}},
       {"server/buildings", {"vocabulary", "server/locating", "server/pipeline", "db", "wire"}},
-      {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings"}},
+      {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings", "db", "admin/map_control.hpp", "sdk/motion",
+                          "sdk/include/wayfuse/sdk/recording.hpp"}},
+      {"server/maps", {"vocabulary", "wire", "db", "admin/map_control.hpp", "server/pipeline", "server/buildings", "server/quality"}},
       {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp",
                            "admin/session_control.hpp", "admin/zone_control.hpp"}},
       {"server/zones", {"vocabulary", "wire", "db", "admin/zone_control.hpp", "admin/plan/planar.hpp"}},
       {"server/webhooks", {"vocabulary", "wire", "db", "admin/webhook_control.hpp", "admin/zone_control.hpp"}},
       {"server/net", {"vocabulary", "wire", "server/sessions", "admin/router.hpp", "admin/http.hpp"}},
       {"server", {"vocabulary", "wire", "db", "admin", "server/pipeline", "server/buildings", "server/quality",
-                  "server/sessions", "server/zones", "server/webhooks", "server/net"}},
+                  "server/sessions", "server/zones", "server/webhooks", "server/maps", "server/net"}},
   };
   return table;
 }
