@@ -48,6 +48,12 @@ MagneticField field_of(const JsonField& json) {
           json.number("norm_ut", 0, 0, 100)};
 }
 
+PublicationPolicy policy_of(const JsonField& json) {
+  const std::string name = json.text(64);
+  if (name != "automatic" && name != "reviewed") json.refuse(FaultCode::kUnknownName, "must be automatic or reviewed");
+  return name == "automatic" ? PublicationPolicy::kAutomatic : PublicationPolicy::kReviewed;
+}
+
 Json to_json(const std::vector<BuildingPoint>& line) {
   Json points = Json::array();
   for (const BuildingPoint& point : line) points.push_back({point.x_m, point.y_m});
@@ -88,6 +94,7 @@ Result<BuildingRecord> parse_building(std::string_view json) {
     if (const auto field = whole.maybe("magnetic_field")) building.magnetic_field = field_of(*field);
     if (const auto floors = whole.maybe("floors")) building.floors = floors_of(*floors);
     building.pipeline = whole.text("pipeline", building.pipeline, 64);
+    if (const auto policy = whole.maybe("publication")) building.publication = policy_of(*policy);
     return building;
   });
 }
@@ -98,6 +105,7 @@ Result<std::vector<Floor>> parse_floors(std::string_view json) {
 
 std::string to_json(const BuildingRecord& building, std::uint64_t points, std::uint64_t radio_map_version) {
   Json json = summary_of(building);
+  json["publication"] = building.publication == PublicationPolicy::kAutomatic ? "automatic" : "reviewed";
   json["radio_map_version"] = radio_map_version;
   json["points"] = points;
   if (building.georeference) {

@@ -100,6 +100,7 @@ void replace_building(DatabaseDirectory& databases, ServerControl& server, Build
                     record.magnetic_field = wanted.magnetic_field;
                     record.floors = wanted.floors;
                     record.pipeline = wanted.pipeline;
+                    record.publication = wanted.publication;
                   },
                   std::move(respond));
 }

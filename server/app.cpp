@@ -10,7 +10,9 @@
 #include <cstring>
 
 #include "admin/api.hpp"
+#include "admin/maps_api.hpp"
 #include "server/metrics.hpp"
+#include "server/quality/map_gate.hpp"
 
 namespace wayfuse {
 namespace {
@@ -19,6 +21,8 @@ namespace {
 constexpr Duration kDrainMost = std::chrono::seconds(8);
 constexpr Duration kForgetEvery = std::chrono::hours(1);
 constexpr Duration kGoneShown = std::chrono::seconds(30);
+constexpr Duration kVersionsApart = std::chrono::seconds(2);
+constexpr int kReviewEverySweeps = 60;
 
 std::uint64_t random_bits() {
   std::uint64_t bits = 0;
@@ -68,7 +72,10 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
       log_(config_.log_level),
       store_(std::move(store)),
       workers_(config_.workers),
-      keeper_(*store_, shelf_, [this](std::function<void()> task) { workers_.run(std::move(task)); }),
+      keeper_(*store_, shelf_, [this](std::function<void()> task) { workers_.run(std::move(task)); }, keeper_settings()),
+      access_points_(*store_, shelf_, [this] { return clock_.wall_now(); }, [this](BuildingId building) { keeper_.refresh(building); }),
+      maps_(*store_, shelf_, keeper_, access_points_, [this](std::function<void()> task) { workers_.run(std::move(task)); },
+            [this] { return clock_.wall_now(); }),
       sessions_(random_epoch(), random_names(), config_.shelf),
       zones_(*store_, clock_, sessions_.epoch(), config_.zones),
       webhooks_(*store_, zones_, clock_, config_.webhooks, random_bits()),
@@ -80,7 +87,19 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
                      .counters = session_counters_,
                      .survey_changed = [this](BuildingId building) { keeper_.refresh(building); },
                      .settings = config_.sessions,
-                     .zones = &zones_} {}
+                     .zones = &zones_,
+                     .heard = [this](std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position) {
+                       access_points_.hear(session, building, scan, position);
+                     }} {}
+
+// Surveys of one building become one version every few seconds at most; a worse one does not come into force.
+BuildingKeeper::Settings App::keeper_settings() {
+  return {.least_between = kVersionsApart,
+          .judge = [this](const Building& candidate, const Building* live,
+                          const std::vector<StoredQualityWalk>& walks) { return judge_map(candidate, live, walks, clock_.wall_now()); },
+          .now = [this] { return clock_.now(); },
+          .wall_now = [this] { return clock_.wall_now(); }};
+}
 
 App::~App() {
   drain();
@@ -110,6 +129,8 @@ Result<void> App::open() {
   add_plan_routes(*router_, *store_, *this, zones_, [this](std::function<void()> task) { workers_.run(std::move(task)); });
   add_webhook_routes(*router_, *store_, webhooks_, clock_);
   add_data_routes(*router_, *store_, *this, zones_, webhooks_, clock_);
+  add_map_routes(*router_, *store_, maps_);
+  add_radio_routes(*router_, maps_);
   add_key_routes(*router_, *keys_, clock_);
   add_session_token_routes(*router_, *keys_);
   add_console_routes(*router_);
@@ -163,6 +184,8 @@ void App::sweep() {
   for (const std::string& tracked : sessions_.sweep(clock_.now())) board_.gone(tracked, clock_.wall_now());
   board_.sweep(clock_.wall_now() - kGoneShown);
   zones_.tick();
+  keeper_.tick();
+  if (++sweeps_ % kReviewEverySweeps == 0) access_points_.review();
 }
 
 // Retention [C19]. What fails now is tried again in an hour.
@@ -212,7 +235,7 @@ std::vector<SessionSummary> App::sessions(BuildingId building) const {
 }
 
 std::string App::metrics() const {
-  return metrics_text(session_world_, net_counters_, net_world_->budget, keeper_, zones_, webhooks_, ready_);
+  return metrics_text(session_world_, net_counters_, net_world_->budget, keeper_, zones_, webhooks_, access_points_.counts(), ready_);
 }
 
 std::vector<PartDescription> App::parts() const {
@@ -235,7 +258,7 @@ void App::building_changed(BuildingId building) {
 
 std::uint64_t App::radio_map_version(BuildingId building) const {
   const auto snapshot = shelf_.find(building);
-  return snapshot ? snapshot->record().survey_version : 0;
+  return snapshot ? snapshot->map_version() : 0;
 }
 
 Result<Explanation> App::explain(const std::string& tracked, BuildingId building) const {

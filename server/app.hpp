@@ -14,6 +14,7 @@
 #include "server/buildings/building_keeper.hpp"
 #include "server/config.hpp"
 #include "server/log.hpp"
+#include "server/maps/map_desk.hpp"
 #include "server/net/listener.hpp"
 #include "server/webhooks/webhook_sender.hpp"
 #include "server/zones/zone_watch.hpp"
@@ -73,6 +74,7 @@ class App final : public ServerControl, public SessionControl {
   Result<void> make_first_key();
   void sweep();
   void forget();
+  BuildingKeeper::Settings keeper_settings();
 
   const ServerConfig config_;
   SystemClock clock_;
@@ -85,6 +87,8 @@ class App final : public ServerControl, public SessionControl {
   WorkerPool workers_;
   BuildingShelf shelf_;
   BuildingKeeper keeper_;
+  AccessPointDesk access_points_;
+  MapDesk maps_;
   SessionShelf sessions_;
   ZoneWatch zones_;
   ZoneFeed zone_feed_{zones_};
@@ -98,6 +102,7 @@ class App final : public ServerControl, public SessionControl {
   std::unique_ptr<Listener> listener_;
   std::atomic<bool> ready_{false};
   bool drained_ = false;
+  int sweeps_ = 0;
 };
 
 }  // namespace wayfuse

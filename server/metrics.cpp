@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <string_view>
+#include <vector>
 
 namespace wayfuse {
 namespace {
@@ -13,13 +15,29 @@ class Exposition {
  public:
   void counter(std::string_view name, std::string_view help, double value) { row(name, help, "counter", value); }
   void gauge(std::string_view name, std::string_view help, double value) { row(name, help, "gauge", value); }
+  /// `counts` per bucket, the last one beyond all bounds.
+  void histogram(std::string_view name, std::string_view help, std::span<const double> bounds, std::span<const double> counts, double sum) {
+    head(name, help, "histogram");
+    double below = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      below += counts[i];
+      text_ << "wayfuse_" << name << "_bucket{le=\"";
+      if (i < bounds.size()) text_ << bounds[i];
+      else text_ << "+Inf";
+      text_ << "\"} " << below << '\n';
+    }
+    text_ << "wayfuse_" << name << "_sum " << sum << "\nwayfuse_" << name << "_count " << below << '\n';
+  }
   std::string text() const { return text_.str(); }
 
  private:
   void row(std::string_view name, std::string_view help, std::string_view kind, double value) {
+    head(name, help, kind);
+    text_ << "wayfuse_" << name << ' ' << value << '\n';
+  }
+  void head(std::string_view name, std::string_view help, std::string_view kind) {
     text_.precision(17);
-    text_ << "# HELP wayfuse_" << name << ' ' << help << "\n# TYPE wayfuse_" << name << ' ' << kind << "\nwayfuse_" << name
-          << ' ' << value << '\n';
+    text_ << "# HELP wayfuse_" << name << ' ' << help << "\n# TYPE wayfuse_" << name << ' ' << kind << '\n';
   }
   std::ostringstream text_;
 };
@@ -106,11 +124,36 @@ void add_webhooks(Exposition& out, const WebhookState& all) {
   out.counter("webhook_dropped_total", "Dead letters that had to make room.", count(all.dropped));
 }
 
+// How sure fixes say they are, and how right that is: the quality walks' truths inside the stated circles of the live maps.
+void add_maps(Exposition& out, const SessionWorld& world, const AccessPointCounts& access_points) {
+  const SessionCounters& c = world.counters;
+  std::vector<double> counts;
+  for (const auto& count : c.radius_counts) counts.push_back(number(count));
+  out.histogram("fix_radius_meters", "Stated 68 % radius of the positions given.", SessionCounters::kRadiusBounds_m, counts,
+                number(c.radius_sum_mm) * 1e-3);
+  std::vector<MapQuality> measured;
+  for (const auto& building : world.buildings.all()) measured.insert(measured.end(), building->qualities().begin(), building->qualities().end());
+  const PooledQuality quality = pool(measured);
+  out.gauge("quality_walks", "Quality walks the live maps were measured by.", static_cast<double>(quality.walks));
+  if (quality.instants > 0) {
+    out.gauge("quality_error_mean_meters", "Mean error of the live maps on their quality walks.", quality.mean_m);
+    out.gauge("quality_floor_hit_ratio", "Share of those answers on the right floor.", quality.floor_hit);
+    out.gauge("calibration_68_ratio", "Share of truths inside the stated 68 % circle: 0.68 when the circles are honest.", quality.in68);
+    out.gauge("calibration_95_ratio", "Share of truths inside the stated 95 % circle: 0.95 when the circles are honest.", quality.in95);
+  }
+  out.gauge("access_points_ok", "Access points as surveyed, by live traffic.", static_cast<double>(access_points.ok));
+  out.gauge("access_points_vanished", "Access points that are due and not heard.", static_cast<double>(access_points.vanished));
+  out.gauge("access_points_moved", "Access points heard elsewhere than surveyed.", static_cast<double>(access_points.moved));
+  out.gauge("access_points_power_changed", "Access points louder or fainter than surveyed.", static_cast<double>(access_points.power_changed));
+  out.gauge("access_points_new", "Access points the survey does not know.", static_cast<double>(access_points.fresh));
+  out.gauge("access_points_distrusted", "Access points left out of map and likelihood.", static_cast<double>(access_points.distrusted));
+}
+
 }  // namespace
 
 std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, const MemoryBudget& budget,
                          const BuildingKeeper& buildings, const ZoneWatch& zones, const WebhookSender& webhooks,
-                         bool ready) {
+                         const AccessPointCounts& access_points, bool ready) {
   Exposition out;
   out.gauge("ready", "1 when the server takes sessions.", ready ? 1 : 0);
   out.gauge("buildings", "Buildings on the shelf.", static_cast<double>(sessions.buildings.all().size()));
@@ -120,6 +163,7 @@ std::string metrics_text(const SessionWorld& sessions, const NetCounters& net, c
   out.gauge("resident_memory_bytes", "Resident memory of the process.", resident_bytes());
   add_sessions(out, sessions);
   add_net(out, net);
+  add_maps(out, sessions, access_points);
   add_zones(out, zones);
   add_webhooks(out, webhooks.total());
   return out.text();

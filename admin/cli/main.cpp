@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", program.json, "Print the server's JSON as it came");
   add_building_commands(app, program);
   add_survey_commands(app, program);
+  add_map_commands(app, program);
   add_key_commands(app, program);
   add_operation_commands(app, program);
   add_plan_commands(app, program);

@@ -52,6 +52,8 @@ std::string escaped(const std::string& text);
 
 void add_building_commands(CLI::App& app, Program& program);
 void add_survey_commands(CLI::App& app, Program& program);
+/// After the survey's commands: it adds to them.
+void add_map_commands(CLI::App& app, Program& program);
 void add_key_commands(CLI::App& app, Program& program);
 void add_operation_commands(CLI::App& app, Program& program);
 /// Some of these add to `building` and `survey`, which must be there.

@@ -65,6 +65,8 @@ TEST(Access, HoldsOverTheWholeMatrixOfRoutesScopesAndBuildings) {
   ASSERT_EQ(api.ask("PUT", "/v1/buildings/1/floors", api.admin, R"({"floors":[{"ordinal":0,"outline":[[[0,0],[9,0],[9,9]]]}]})").status, 200);
   const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x01\x40\0\0\0\xf0", 24);
   ASSERT_EQ(api.ask("PUT", "/v1/buildings/1/floors/0/image", api.admin, png).status, 200);
+  api.store->with_building({1}, [](Result<BuildingDatabase*> database) { EXPECT_TRUE((*database)->stage_map({0, "{}", {}, "map"})); });
+  ASSERT_EQ(api.ask("POST", "/v1/buildings/1/quality-walks", api.admin, "recording").status, 201);
   const Scope scopes[] = {Scope::kTrack, Scope::kSurvey, Scope::kObserve, Scope::kAdmin};
   int refused = 0, passed = 0;
   for (const Scope held : scopes) {
@@ -86,6 +88,7 @@ TEST(Access, HoldsOverTheWholeMatrixOfRoutesScopesAndBuildings) {
       };
       path = fill(fill(fill(path, "{pipeline}", "p1"), "{key}", "12345"), "{zone}", "1");
       path = fill(fill(fill(path, "{floor}", "0"), "{webhook}", "1"), "{tracked}", "phone-1");
+      path = fill(fill(fill(path, "{version}", "1"), "{walk}", "1"), "{bssid}", "00:1b:2c:00:00:01");
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "").status, 401) << route.pattern;
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "wf_wrong").status, 401) << route.pattern;
       if (held != route.scope) {

@@ -11,8 +11,10 @@
 #include "admin/api.hpp"
 #include "admin/audit_trail.hpp"
 #include "admin/idempotency.hpp"
+#include "admin/maps_api.hpp"
 #include "server/webhooks/webhook_sender.hpp"
 #include "server/zones/zone_watch.hpp"
+#include "tests/admin/fake_maps.hpp"
 
 namespace wayfuse {
 
@@ -105,6 +107,8 @@ class RunningApi {
     add_plan_routes(*router, *store, server, *zones, [](std::function<void()> task) { task(); });
     add_webhook_routes(*router, *store, *webhooks, clock);
     add_data_routes(*router, *store, server, *zones, *webhooks, clock);
+    add_map_routes(*router, *store, maps);
+    add_radio_routes(*router, maps);
     add_key_routes(*router, *keys, clock);
     add_session_token_routes(*router, *keys);
     add_console_routes(*router);
@@ -145,6 +149,7 @@ class RunningApi {
   FixedClock clock;
   FakeServer server;
   FakeSessions sessions;
+  FakeMaps maps;
   std::unique_ptr<DatabaseDirectory> store;
   std::unique_ptr<KeyRing> keys;
   std::unique_ptr<AuditTrail> audit;
