@@ -19,6 +19,8 @@ void add_site_command(CLI::App& app, std::function<int()>& chosen);
 void add_walks_command(CLI::App& app, std::function<int()>& chosen);
 void add_attitude_command(CLI::App& app, std::function<int()>& chosen);
 void add_walking_command(CLI::App& app, std::function<int()>& chosen);
+void add_expected_command(CLI::App& app, std::function<int()>& chosen);
+void add_access_points_command(CLI::App& app, std::function<int()>& chosen);
 
 std::vector<AddCommand> evaluation_commands();
 

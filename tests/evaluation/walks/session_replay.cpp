@@ -87,7 +87,9 @@ Result<void> SessionReplay::House::upload(const std::vector<RecordedWalk>& surve
 }
 
 Result<void> SessionReplay::House::make_snapshot(bool gate) {
-  BuildingKeeper keeper(*store, shelf, [](std::function<void()> task) { task(); }, gate);
+  BuildingKeeper::Settings settings;
+  settings.gate = gate;
+  BuildingKeeper keeper(*store, shelf, [](std::function<void()> task) { task(); }, settings);
   keeper.refresh(building);
   keeper.settle();
   const auto failures = keeper.failures();
