@@ -58,15 +58,15 @@ TEST_F(Sessions, ResumeAfterABrokenConnection) {
 TEST_F(Sessions, APhoneTracksOnTokensItRenewsAndNotBeyond) {
   start();
   make_building("Hall");
-  survey(1);
+  survey(building);
   const auto token = [&](const std::string& body) {
-    const auto answer = http(port(), "POST", "/v1/buildings/1/session-tokens", key, body);
+    const auto answer = http(where(), "POST", "/v1/buildings/" + std::to_string(building) + "/session-tokens", key, body);
     EXPECT_EQ(answer.status, 201) << answer.body;
     const std::size_t at = answer.body.find("ws_");
     return answer.body.substr(at, answer.body.find('"', at) - at);
   };
-  RawWebsocket phone(port(), token(R"({"lifetime_s":60})"));
-  phone.send(hello(Role::kTrack, 1));
+  RawWebsocket phone(where(), token(R"({"lifetime_s":60})"));
+  phone.send(hello(Role::kTrack, building));
   const auto welcome = phone.expect<Welcome>();
   ASSERT_TRUE(welcome);
   EXPECT_GT(welcome->token_expires_in, Duration{0});
@@ -78,15 +78,15 @@ TEST_F(Sessions, APhoneTracksOnTokensItRenewsAndNotBeyond) {
   phone.send(scans(1, 2));
   EXPECT_TRUE(phone.expect<Position>());
 
-  RawWebsocket brief(port(), token(R"({"lifetime_s":1})"));
-  brief.send(hello(Role::kTrack, 1));
+  RawWebsocket brief(where(), token(R"({"lifetime_s":1})"));
+  brief.send(hello(Role::kTrack, building));
   ASSERT_TRUE(brief.expect<Welcome>());
   const auto ended = brief.expect<FaultReport>();
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->fault.code, FaultCode::kNotAuthenticated);
 
-  RawWebsocket surveyor(port(), token("{}"));
-  surveyor.send(hello(Role::kSurvey, 1));
+  RawWebsocket surveyor(where(), token("{}"));
+  surveyor.send(hello(Role::kSurvey, building));
   const auto refused = surveyor.expect<FaultReport>();
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->fault.code, FaultCode::kNotAllowed);
