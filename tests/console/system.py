@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import urllib.request
 
 
 class System:
@@ -27,6 +28,15 @@ class System:
         socket = f"ws{self.url[4:]}/v1/session"
         return subprocess.Popen([self.programs.phone, command, "--server", socket, "--building", self.building, *arguments],
                                 env=self.environment, stdout=subprocess.DEVNULL)
+
+    def add_quality_walk(self):
+        """A recorded walk with known truth, put up for the radio maps to be measured by."""
+        file = f"{self.folder}/walk.jsonl"
+        subprocess.run([self.programs.phone, "record", file, "--minutes", "1"], check=True, stdout=subprocess.DEVNULL)
+        with open(file, "rb") as recording:
+            request = urllib.request.Request(f"{self.url}/v1/buildings/{self.building}/quality-walks?name=corridor", data=recording.read(),
+                                             headers={"authorization": f"Bearer {self.key}"}, method="POST")
+        urllib.request.urlopen(request).close()
 
     def close(self):
         for process in (self.phones, self.server):

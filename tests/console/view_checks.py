@@ -70,9 +70,39 @@ async def zones(page, system):
 
 async def survey(page, system):
     await page.until(f"document.querySelector('canvas[data-layer=points]') && {PAINTED % 'points'} > 0.0003")
+    await page.until("document.querySelector('img.heat')")  # the expected accuracy
+    await page.until(says("Expected median error here now"))
+    await page.until("document.querySelector('.walks li') || document.body.innerText.includes('Nothing to gain')")
     await page.run("document.querySelector('.choice input[value=level]').click()")
     await page.until("document.querySelector('.side select')?.options.length > 5")
     await page.until(says("Level, dBm"))
+
+
+async def maps(page, system):
+    system.add_quality_walk()
+    versions = "document.querySelectorAll('[data-version]').length"
+    await page.until(f"!document.querySelector('.loading')")
+    before = await page.run(versions)
+    await page.run(click("Build from the survey"))
+    await page.until(f"{versions} > {before}", 180)
+    if await page.run("[...document.querySelectorAll('button')].some((b) => b.textContent === 'Compare')"):
+        await page.run(click("Compare"))
+        await page.until("document.querySelector('.card-head .badge') && !document.querySelector('.loading')", 180)
+    await page.until("document.querySelectorAll('polyline.curve').length > 0")
+    await page.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Promote').click()")
+    await page.until("document.getElementById('promotion-reason')")
+    await page_checks.hold(page, "promote")
+    await page.run(fill("#promotion-reason", "a second look"))
+    await page.run(click("Promote", "document.querySelector('dialog')"))
+    await page.until(f"!document.querySelector('dialog[open]') && {says('a second look')}", 180)
+
+
+async def access_points(page, system):
+    await page.until("!document.querySelector('.loading')")
+    await page.run("document.querySelector('.choice input[value=all]').click()")
+    await page.until("document.querySelectorAll('[data-bssid]').length > 5")
+    await page.run(fill("[data-bssid] select", "never"))
+    await page.until("document.querySelector('[data-bssid]').innerText.includes('left out')")
 
 
 async def plans(page, system):
@@ -124,5 +154,5 @@ async def audit(page, system):
 
 
 # In the order an operator meets them; each is also looked at on every screen.
-VIEWS = {"live": live, "zones": zones, "survey": survey, "plans": plans, "buildings": buildings,
+VIEWS = {"live": live, "zones": zones, "survey": survey, "maps": maps, "access-points": access_points, "plans": plans, "buildings": buildings,
          "keys": keys, "audit": audit}

@@ -1,4 +1,4 @@
-import { Building2, FileStack, KeyRound, LogOut, MapPinned, Moon, Navigation, ScrollText, Shapes, Sun } from 'lucide-preact';
+import { Building2, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun } from 'lucide-preact';
 import type { ComponentType } from 'preact';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { StandingContext, type Standing } from './context';
@@ -7,11 +7,13 @@ import { listenToInks } from './map/inks';
 import { Empty, Fault, Loading, Notice, type Tone } from './parts/parts';
 import { go, hashOf, useRoute } from './route';
 import { isDark, switchTheme } from './theme';
+import { AccessPoints } from './views/access_points';
 import { Audit } from './views/audit';
 import { Buildings } from './views/buildings';
 import { FloorPlans } from './views/floor_plans';
 import { Keys } from './views/keys';
 import { Live } from './views/live';
+import { RadioMaps } from './views/radio_maps';
 import { SignIn } from './views/sign_in';
 import { Survey } from './views/survey';
 import { Zones } from './views/zones';
@@ -29,6 +31,8 @@ const kViews: View[] = [
   view('live', 'Live', 'Live', Navigation, Live),
   view('zones', 'Zones', 'Zones', Shapes, Zones),
   view('survey', 'Survey', 'Survey', MapPinned, Survey),
+  view('maps', 'Radio maps', 'Maps', Layers, RadioMaps),
+  view('access-points', 'Access points', 'Access', Router, AccessPoints),
   view('plans', 'Floor plans', 'Plans', FileStack, FloorPlans),
   view('buildings', 'Buildings', 'Buildings', Building2, Buildings, false),
   view('keys', 'Keys', 'Keys', KeyRound, Keys, false),

@@ -10,20 +10,23 @@ import { Legend } from '../parts/legend';
 import { Empty, Facts, Fault, Loading, useDeed } from '../parts/parts';
 import { ago, count, metres } from '../parts/words';
 import { saveFile } from '../parts/save_file';
+import { errorScale, PlanPanel, useAccuracy, useHeat } from '../survey/accuracy_panel';
 import { nearestPoint, PointLayer } from '../survey/point_layer';
 import { usePoints, type SurveyedPoint } from '../survey/points';
 import type { Transmitter } from '../wire/shapes';
-import { useAnswer } from '../wire/use_answer';
+import type { Accuracy } from '../wire/map_shapes';
+import { useAnswer, type Asked } from '../wire/use_answer';
 
-type Colouring = 'plain' | 'heard' | 'level';
+type Colouring = 'error' | 'heard' | 'level' | 'plain';
 
+const kTitles: Record<Colouring, string> = { error: 'Expected median error', heard: 'Heard', level: 'Level', plain: '' };
 const kLevels: Scale = { least: -90, most: -40, unit: 'dBm' };
 
 export function Survey() {
   const { building, floor, setFloor } = useBuilding();
   const { points, complete, fault } = usePoints(building.id, floor, building.survey_version);
   const [map, setMap] = useState<L.Map | null>(null);
-  const [colouring, setColouring] = useState<Colouring>('heard');
+  const [colouring, setColouring] = useState<Colouring>('error');
   const [bssid, setBssid] = useState('');
   const [chosen, setChosen] = useState<SurveyedPoint | null>(null);
   const layer = useMemo(() => (map ? new PointLayer(map) : null), [map]);
@@ -35,9 +38,11 @@ export function Survey() {
   useEffect(() => setChosen(null), [floor]);
 
   const most = Math.max(10, ...points.map((point) => point.heard.size));
-  const scale = colouring === 'level' ? kLevels : { least: 0, most, unit: 'access points' };
+  const accuracy = useAccuracy(colouring === 'error');
+  useHeat(map, colouring === 'error' ? accuracy.data : null);
+  const scale = colouring === 'level' ? kLevels : colouring === 'error' ? errorScale(accuracy.data) : { least: 0, most, unit: 'access points' };
   useEffect(() => {
-    const valueOf = colouring === 'plain' ? null
+    const valueOf = colouring === 'plain' || colouring === 'error' ? null
       : colouring === 'heard' ? (point: SurveyedPoint) => point.heard.size
       : (point: SurveyedPoint) => point.heard.get(bssid) ?? null;
     layer?.show({ points, valueOf, scale, chosen: chosen?.id ?? null });
@@ -48,7 +53,7 @@ export function Survey() {
       <FloorMap floors={building.floors} floor={floor} onFloor={setFloor} onMap={setMap}
         onPick={(x, y, reach) => setChosen(nearestPoint(points, x, y, reach))} label={`Survey: ${points.length} reference points on this floor.`}>
         {colouring !== 'plain' && points.length > 0 && (
-          <div class="map-panel"><Legend scale={scale} title={colouring === 'heard' ? 'Heard' : 'Level'} /></div>
+          <div class="map-panel"><Legend scale={scale} title={kTitles[colouring]} /></div>
         )}
         {complete && points.length === 0 && building.floors.length > 0 && (
           <div class="map-message"><Empty icon={<MapPinned />} title="This floor is not surveyed">
@@ -60,6 +65,7 @@ export function Survey() {
         {fault && <section><Fault fault={fault} /></section>}
         {!complete && !fault && <section><Loading what="the reference points" /></section>}
         {chosen && <PointCard point={chosen} onClose={() => setChosen(null)} />}
+        {points.length > 0 && <PlanPanel map={map} accuracy={accuracy.data} />}
         <section>
           <h2>Reference points</h2>
           <Summary points={points} total={building.points} />
@@ -67,13 +73,20 @@ export function Survey() {
         <section>
           <h2>Colours</h2>
           <Choice name="Colour by" value={colouring} onChange={setColouring}
-            of={[['heard', 'Heard'], ['level', 'One access point'], ['plain', 'Plain']]} />
+            of={[['error', 'Accuracy'], ['heard', 'Heard'], ['level', 'Level'], ['plain', 'Plain']]} />
+          {colouring === 'error' && <AccuracyState asked={accuracy} />}
           {colouring === 'level' && <TransmitterChoice value={bssid} onChange={setBssid} />}
         </section>
         <Exports />
       </aside>
     </div>
   );
+}
+
+function AccuracyState({ asked }: { asked: Asked<Accuracy> }) {
+  if (asked.fault) return <Fault fault={asked.fault} again={asked.again} />;
+  if (asked.loading) return <p class="hint" role="status">Working out the expected accuracy …</p>;
+  return <p class="hint">From the radio field’s own uncertainty: no test walk is needed.</p>;
 }
 
 function Summary({ points, total }: { points: SurveyedPoint[]; total: number }) {
