@@ -80,21 +80,31 @@ async def survey(page, system):
 
 async def maps(page, system):
     system.add_quality_walk()
-    versions = "document.querySelectorAll('[data-version]').length"
-    await page.until(f"!document.querySelector('.loading')")
-    before = await page.run(versions)
+    await page.until("document.querySelectorAll('[data-version]').length > 1 && !document.querySelector('.loading')")
     await page.run(click("Build from the survey"))
-    await page.until(f"{versions} > {before}", 180)
-    if await page.run("[...document.querySelectorAll('button')].some((b) => b.textContent === 'Compare')"):
-        await page.run(click("Compare"))
-        await page.until("document.querySelector('.card-head .badge') && !document.querySelector('.loading')", 180)
-    await page.until("document.querySelectorAll('polyline.curve').length > 0")
-    await page.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Promote').click()")
+    await page.until(says("is built and measured"), 180)
+    live = "document.querySelector('[data-version]:has(.badge.good)')?.dataset.version"
+    before = await page.run(live)
+    await page.run(click("Compare"))
+    await page.until("document.querySelectorAll('polyline.curve').length === 2", 180)  # both versions' errors
+    await page.until(says("All walks"))
+    await page.run(click("Promote"))
     await page.until("document.getElementById('promotion-reason')")
     await page_checks.hold(page, "promote")
     await page.run(fill("#promotion-reason", "a second look"))
     await page.run(click("Promote", "document.querySelector('dialog')"))
-    await page.until(f"!document.querySelector('dialog[open]') && {says('a second look')}", 180)
+    # A version that is worse is refused, and the operator may override; one walk does not say beforehand which of the two it is.
+    await page.until("!document.querySelector('dialog[open]') || document.querySelector('dialog .notice.bad')", 180)
+    if await page.run("document.querySelector('dialog .notice.bad') !== null"):
+        page.complaints = [one for one in page.complaints if "/promotion" not in one]
+        await page.run("document.querySelector('dialog input[type=checkbox]').click()")
+        await page.run(click("Override and promote", "document.querySelector('dialog')"))
+    await page.until(f"!document.querySelector('dialog[open]') && {says('a second look')} && {live} !== {json.dumps(before)}", 180)
+    await page.run(click("Roll back"))
+    await page.until("document.querySelector('dialog[open] textarea')")
+    await page.run(fill("dialog textarea", "back to the first"))
+    await page.run(click("Roll back", "document.querySelector('dialog')"))
+    await page.until(f"{says('back to the first')} && {live} === {json.dumps(before)}", 180)
 
 
 async def access_points(page, system):

@@ -34,6 +34,8 @@ export function FloorMap({ floors, floor, onFloor, onMap, onPick, counts, label,
   const [map, setMap] = useState<L.Map | null>(null);
   const pick = useRef(onPick);
   pick.current = onPick;
+  const untouched = useRef(true);
+  const refit = useRef(() => {});
   const shown = floors.find((one) => one.ordinal === floor);
 
   useEffect(() => {
@@ -49,7 +51,10 @@ export function FloorMap({ floors, floor, onFloor, onMap, onPick, counts, label,
     L.control.scale({ imperial: false, position: 'bottomright', maxWidth: 120 }).addTo(made);
     made.setView([0, 0], 2);
     made.on('click', ({ latlng }) => pick.current?.(latlng.lng, latlng.lat, 18 / 2 ** made.getZoom()));
-    const watch = new ResizeObserver(() => made.invalidateSize({ pan: false }));
+    const watch = new ResizeObserver(() => {
+      made.invalidateSize({ pan: false });
+      refit.current();
+    });
     watch.observe(box.current!);
     setMap(made);
     onMap(made);
@@ -63,7 +68,18 @@ export function FloorMap({ floors, floor, onFloor, onMap, onPick, counts, label,
   const fit = (animate: boolean) => {
     const bounds = boundsOf(shown);
     if (map && bounds) map.fitBounds(bounds, { animate, padding: [28, 28] });
+    untouched.current = true;
   };
+  // A whole floor stays whole when the screen is turned or resized.
+  refit.current = () => { if (untouched.current) fit(false); };
+  useEffect(() => {
+    const touch = () => { untouched.current = false; };
+    const frame = box.current!;
+    const kTouches = ['pointerdown', 'wheel', 'keydown'] as const;
+    for (const name of kTouches) frame.addEventListener(name, touch);
+    return () => kTouches.forEach((name) => frame.removeEventListener(name, touch));
+  }, []);
+  const zoom = (way: 1 | -1) => { untouched.current = false; if (way > 0) map?.zoomIn(); else map?.zoomOut(); };
   useEffect(() => drawPlan(map, shown), [map, shown]);
   // Another building, another extent: the view moves only when what is shown lies elsewhere.
   const extent = boundsOf(shown)?.toBBoxString();
@@ -73,8 +89,8 @@ export function FloorMap({ floors, floor, onFloor, onMap, onPick, counts, label,
     <div class="map">
       <div class="map-box" ref={box} tabIndex={0} role="application" aria-label={`${label} Arrow keys move, plus and minus zoom.`} />
       <div class="map-tools" role="group" aria-label="Map view">
-        <button class="tool" title="Zoom in" aria-label="Zoom in" onClick={() => map?.zoomIn()}><Plus /></button>
-        <button class="tool" title="Zoom out" aria-label="Zoom out" onClick={() => map?.zoomOut()}><Minus /></button>
+        <button class="tool" title="Zoom in" aria-label="Zoom in" onClick={() => zoom(1)}><Plus /></button>
+        <button class="tool" title="Zoom out" aria-label="Zoom out" onClick={() => zoom(-1)}><Minus /></button>
         <button class="tool" title="Show the whole floor" aria-label="Show the whole floor" onClick={() => fit(true)}><Maximize /></button>
       </div>
       {floors.length > 0 && <FloorSwitch floors={floors} floor={floor} onFloor={onFloor} counts={counts} />}

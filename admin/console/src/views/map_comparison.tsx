@@ -1,7 +1,7 @@
 import { useBuilding } from '../context';
 import { CdfChart, type Curve } from '../parts/cdf_chart';
 import { Badge, Empty, Fault, Loading, type Tone } from '../parts/parts';
-import { metres } from '../parts/words';
+import { metres, percent } from '../parts/words';
 import type { Comparison, Quality, RadioMap } from '../wire/map_shapes';
 import { useAnswer } from '../wire/use_answer';
 
@@ -41,34 +41,32 @@ function curveOf(name: string | false | undefined, quality: Quality | null, tone
 }
 
 function Verdict({ comparison }: { comparison: Comparison }) {
-  const { mean_difference_m: mean, mean_difference_low_m: low, mean_difference_high_m: high } = comparison;
-  return (
-    <div class="field">
-      {mean !== null && (
-        <p>Mean error {mean < 0 ? 'falls' : 'grows'} by <strong>{metres(Math.abs(mean), 2)}</strong>
-          {low !== null && high !== null && <span class="hint"> (95 % interval of the difference {low.toFixed(2)} to {high.toFixed(2)} m)</span>}</p>
-      )}
-      {[...comparison.reasons, ...comparison.remarks].map((text) => <p class="hint" key={text}>{text}</p>)}
-    </div>
-  );
+  return <div class="field">{[...comparison.reasons, ...comparison.remarks].map((text) => <p class="hint" key={text}>{text[0]?.toUpperCase()}{text.slice(1)}.</p>)}</div>;
 }
 
+const kFigures: [string, (quality: Quality) => string][] = [
+  ['Mean error', (quality) => metres(quality.mean_m, 2)],
+  ['90 % within', (quality) => metres(quality.p90_m, 2)],
+  ['Floor right', (quality) => percent(quality.floor_hit, 1)],
+  ['In the 68 % circle', (quality) => percent(quality.in68)],
+  ['In the 95 % circle', (quality) => percent(quality.in95)],
+];
+
+/// Error, floor and calibration, the live version's first: all walks together, then each.
 function Walks({ comparison }: { comparison: Comparison }) {
+  const all = { id: 0, name: 'All walks', candidate: comparison.candidate_quality, live: comparison.live_quality };
   return (
-    <div class="scroll"><table class="dense">
-      <thead><tr><th>Quality walk</th><th class="number">Live mean</th><th class="number">This mean</th><th class="number">Difference</th></tr></thead>
+    <div class="scroll"><table class="dense stack">
+      <thead><tr><th>Live → version {comparison.version}</th>{kFigures.map(([name]) => <th class="number" key={name}>{name}</th>)}</tr></thead>
       <tbody>
-        {comparison.walks.map((walk) => {
-          const difference = walk.candidate && walk.live ? walk.candidate.mean_m - walk.live.mean_m : null;
-          return (
-            <tr key={walk.id}>
-              <td>{walk.name}</td>
-              <td class="number">{metres(walk.live?.mean_m, 2)}</td>
-              <td class="number">{metres(walk.candidate?.mean_m, 2)}</td>
-              <td class="number">{difference === null ? '–' : `${difference > 0 ? '+' : ''}${difference.toFixed(2)} m`}</td>
-            </tr>
-          );
-        })}
+        {[all, ...comparison.walks].map((walk) => (
+          <tr key={walk.id}>
+            <td>{walk.id ? walk.name : <strong>{walk.name}</strong>}</td>
+            {kFigures.map(([name, shown]) => (
+              <td class="number" key={name} data-label={name}>{walk.live ? shown(walk.live) : '–'} → <strong>{walk.candidate ? shown(walk.candidate) : '–'}</strong></td>
+            ))}
+          </tr>
+        ))}
       </tbody>
     </table></div>
   );

@@ -40,13 +40,6 @@ async function send(path: string, question: Question): Promise<Response> {
   }
 }
 
-function pause(seconds: number, signal?: AbortSignal): Promise<void> {
-  return new Promise((done, stopped) => {
-    const timer = setTimeout(done, Math.min(Math.max(seconds, 0.5), 10) * 1000);
-    signal?.addEventListener('abort', () => { clearTimeout(timer); stopped(new DOMException('stopped', 'AbortError')); }, { once: true });
-  });
-}
-
 async function refusalOf(response: Response): Promise<Refusal> {
   const text = await response.text();
   try {
@@ -66,14 +59,9 @@ function parsed<T>(text: string): T {
   }
 }
 
-/// Long work answers 202 `working` and wants to be asked again, with the same question, until it is done.
+/// A question asked twice by the network happens once: every POST carries an Idempotency-Key.
 export async function request<T>(path: string, question: Question = {}): Promise<Answer<T>> {
-  const steady = { ...question, headers: { 'idempotency-key': freshName(), ...question.headers } };
-  let response = await send(path, steady);
-  while (response.status === 202) {
-    await pause(Number(response.headers.get('retry-after') ?? 1), question.signal);
-    response = await send(path, steady);
-  }
+  const response = await send(path, { ...question, headers: { 'idempotency-key': freshName(), ...question.headers } });
   if (!response.ok) throw await refusalOf(response);
   const text = await response.text();
   return { status: response.status, body: parsed<T>(text), etag: response.headers.get('etag'), headers: response.headers };
