@@ -35,11 +35,18 @@ backed_up_and_restored_elsewhere() {
   in_journals "mkdir /journals/moved && cat /journals/move/*.journal | grep ^acked >/journals/moved/2-acked.journal"
   docker run --rm -v "${PROJECT}_data:/data" -v "$PROJECT-restored:/journals" wayfuse-test/tests \
     sh -ec "for file in server building-$building; do sqlite3 /data/\$file.sqlite \".backup /journals/\$file.sqlite\"; done" || die "the backup failed"
+  operator backup "$building" /journals/moved/by-hand.sqlite >/dev/null || die "wayfuse backup failed"
   ok "backed up while surveyors write"
   end_surveying move
   begin_lone_server restored "$PROJECT-restored" wayfuse-test/server
   operator building show "$building" >/dev/null || die "the restored server does not know building and key"
   in_journals "cat /journals/move/*.journal | grep ^sent >/journals/moved/1-sent.journal"
   nothing_lost "restored into another container" moved "$PROJECT-restored" "$building" ""
+  end_lone_server
+  docker volume create "$PROJECT-fresh" >/dev/null
+  begin_lone_server fresh "$PROJECT-fresh" wayfuse-test/server
+  operator restore /journals/moved/by-hand.sqlite >/dev/null || die "wayfuse restore failed"
+  operator verify "$building" >/dev/null || die "the restored building does not verify"
+  nothing_lost "restored by the command line into a fresh server" moved "$PROJECT-fresh" "$building" ""
   end_lone_server
 }
