@@ -7,6 +7,7 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <exception>
 
+#include "server/net/http_messages.hpp"
 #include "server/net/target.hpp"
 #include "server/net/websocket_connection.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 using beast::error_code;
-using HttpResponse = http::response<http::string_body>;
 
 template <typename Stream>
 Stream stream_over(PlainStream socket, [[maybe_unused]] const Visit& visit) {
@@ -110,7 +110,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
 
   // A path may take more, from a key that may use it: whoever else announces that much is refused before it is read.
   std::uint64_t limit_of_path() {
-    const auto header = request_from(parser_->get());
+    const auto header = request_from(parser_->get(), visit_.address);
     if (!header || !world_.addresses->may_authenticate(visit_.address, world_.clock.now())) return 0;
     return world_.router.body_limit(*header).value_or(0);
   }
@@ -147,7 +147,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     keep_alive_ = message.keep_alive();
     head_ = message.method() == http::verb::head;
     version_ = message.version();
-    auto request = request_from(message);
+    auto request = request_from(message, visit_.address);
     if (!request) return refuse(request.fault(), 400);
     const bool names_key = request->headers.contains("authorization");
     if (names_key && !world_.addresses->may_authenticate(visit_.address, world_.clock.now())) {
@@ -165,24 +165,6 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
       world_.complain(std::string("a handler failed: ") + broken.what());
       respond_once(problem({FaultCode::kInternal, "", "a bug of ours; it was logged"}));
     }
-  }
-
-  Result<Request> request_from(const HttpRequest& message) {
-    auto target = parse_target({message.target().data(), message.target().size()});
-    if (!target) return target.fault();
-    Request request;
-    request.method = head_ ? "GET" : std::string(message.method_string());
-    request.path = std::move(target->path);
-    request.query = std::move(target->query);
-    for (const auto& field : message) {
-      std::string name(field.name_string());
-      std::ranges::transform(name, name.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-      const auto [place, fresh] = request.headers.try_emplace(std::move(name), field.value());
-      if (!fresh) place->second += ", " + std::string(field.value());
-    }
-    request.body = message.body();
-    request.peer = visit_.address;
-    return request;
   }
 
   void refuse(const Fault& fault, int status) {
@@ -203,16 +185,8 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
       world_.addresses->refused(visit_.address, world_.clock.now());
     }
     if (response.stream && !head_) return begin_stream(std::move(response));
-    response_ = HttpResponse(static_cast<http::status>(response.status), version_);
-    put_headers(response_, response);
+    response_ = whole_answer(std::move(response), version_, head_);
     response_.keep_alive(keep_alive_ && !world_.draining);
-    if (response.stream) {
-      response_.set(http::field::content_type, response.content_type);
-    } else {
-      if (!response.body.empty()) response_.set(http::field::content_type, response.content_type);
-      response_.content_length(response.body.size());
-    }
-    if (!head_) response_.body() = std::move(response.body);
     allow(world_.settings.http_write_deadline);
     http::async_write(stream_, response_, [self = this->shared_from_this()](error_code error, std::size_t) {
       if (error || !self->response_.keep_alive()) return self->say_goodbye();
@@ -222,17 +196,10 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     });
   }
 
-  static void put_headers(http::fields& fields, const Response& response) {
-    for (const auto& [name, value] : response.headers) fields.set(name, value);
-    fields.set(http::field::server, "wayfuse");
-  }
-
   // ---- answering in pieces: one in flight, the next asked for when it is written
   void begin_stream(Response response) {
     source_ = std::move(response.stream);
-    stream_head_.emplace(static_cast<http::status>(response.status), version_);
-    put_headers(*stream_head_, response);
-    stream_head_->set(http::field::content_type, response.content_type);
+    stream_head_ = head_of(response, version_);
     // HTTP/1.0 knows no chunks: there the end of the connection is the end of the body.
     if (version_ < 11) keep_alive_ = false;
     stream_head_->keep_alive(keep_alive_ && !world_.draining);
@@ -254,24 +221,16 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     if (gone_ || !source_) return;
     auto piece = ending_ ? std::nullopt : source_->next();
     if (!piece) return end_stream();
-    if (piece->empty()) return stay();
+    if (piece->empty()) {  // nothing is under way that would keep the connection alive: it keeps itself
+      staying_ = this->shared_from_this();
+      return;
+    }
     write_piece(*std::move(piece));
   }
 
-  // Nothing is under way that would keep the connection alive: it keeps itself.
-  void stay() {
-    waiting_ = true;
-    staying_ = this->shared_from_this();
-  }
-
-  void stay_no_longer() {
-    waiting_ = false;
-    staying_.reset();
-  }
-
   void woken() {
-    if (!waiting_) return;
-    stay_no_longer();
+    if (!staying_) return;
+    staying_.reset();
     pump();
   }
 
@@ -279,7 +238,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     auto piece = source_->idle();
     if (!piece) return end_stream();
     if (piece->empty()) return;
-    stay_no_longer();
+    staying_.reset();
     write_piece(*std::move(piece));
   }
 
@@ -304,7 +263,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   }
 
   void end_stream() {
-    stay_no_longer();
+    staying_.reset();
     source_.reset();
     if (version_ < 11) return say_goodbye();
     const bool goes_on = keep_alive_ && !world_.draining;
@@ -357,7 +316,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
 
   void tick() {
     if (gone_ || busy_) return;
-    if (waiting_) return stay_alive();
+    if (staying_) return stay_alive();
     if (world_.clock.now() <= deadline_) return;
     if (half_open_) world_.counters.handshake_timeouts++;
     hang_up();
@@ -395,7 +354,7 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
     if (gone_) return;
     gone_ = true;
     source_.reset();
-    stay_no_longer();
+    staying_.reset();
     error_code ignored;
     lowest(stream_).close(ignored);
   }
@@ -406,16 +365,15 @@ class HttpConnection final : public Ticked, public std::enable_shared_from_this<
   std::optional<http::request_parser<http::string_body>> parser_;
   HttpResponse response_;
   std::shared_ptr<BodySource> source_;  ///< while a body goes out in pieces
-  std::optional<http::response<http::empty_body>> stream_head_;
+  std::optional<HttpHead> stream_head_;
   std::optional<http::response_serializer<http::empty_body>> stream_head_writer_;
   std::string piece_;
   ServerTime deadline_;
   unsigned version_ = 11;
   bool half_open_ = true;
   bool idle_ = false;
-  std::shared_ptr<HttpConnection> staying_;  ///< itself, while waiting_
-  bool waiting_ = false;                     ///< the source has nothing now
-  bool ending_ = false;   ///< the server drains: no further piece
+  std::shared_ptr<HttpConnection> staying_;  ///< itself, while the source has nothing to say
+  bool ending_ = false;                      ///< the server drains: no further piece
   bool busy_ = false;  ///< a handler has the request: it answers in its own time
   bool keep_alive_ = true;
   bool head_ = false;

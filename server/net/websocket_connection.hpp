@@ -1,15 +1,12 @@
 #pragma once
 
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
 #include <optional>
 
+#include "server/net/http_messages.hpp"
 #include "server/net/net_world.hpp"
 #include "server/net/streams.hpp"
 
 namespace wayfuse {
-
-using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
 
 /// The path sessions are opened on.
 inline constexpr std::string_view kSessionPath = "/v1/session";
