@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 // What was found, errors first, then the floors: what an operator looks at before storing.
-void show_report(const json& report) {
+void show_checks(const json& report) {
   for (const json& check : report.value("checks", json::array())) {
     const std::string feature = check.value("feature", "");
     std::cout << check.value("severity", "") << ": " << (feature.empty() ? "" : feature + ": ") << check.value("detail", "") << " [" << check.value("code", "")
@@ -27,50 +27,47 @@ std::string number(const json& entry, const char* field, int digits) {
   return text;
 }
 
-int show_plan(const Program& program, const Reply& reply) {
+// A report as it came, or its checks and then what `the_rest` prints of it. An import with errors is a failure either way.
+int show(const Program& program, const Reply& reply, void (*the_rest)(const json& report, const Reply& reply)) {
   const json report = json::parse(reply.body, nullptr, false);
   if (!report.is_object() || !report.contains("checks")) return refused(reply);
   if (program.json) {
     std::cout << reply.body << "\n";
   } else {
-    show_report(report);
-    std::vector<std::vector<std::string>> rows;
-    for (const json& floor : report["floors"]) {
-      rows.push_back({floor["ordinal"].dump(), floor.value("label", ""), number(floor, "outline_m2", 0), number(floor, "walkable_m2", 0), floor["rooms"].dump(),
-                      floor["doors"].dump(), floor["walls"].dump()});
-    }
-    std::cout << table({"floor", "label", "outline_m2", "walkable_m2", "rooms", "doors", "walls"}, rows);
-    std::cout << (report.value("stored", false) ? "stored" : reply.status >= 400 ? "not stored: mend the errors above" : "not stored: a dry run") << "\n";
+    show_checks(report);
+    the_rest(report, reply);
   }
   return reply.status >= 400 ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-int show_fit(const Program& program, const Reply& reply) {
-  const json report = json::parse(reply.body, nullptr, false);
-  if (!report.is_object() || !report.contains("checks")) return refused(reply);
-  if (program.json) {
-    std::cout << reply.body << "\n";
-  } else {
-    show_report(report);
-    std::vector<std::vector<std::string>> rows;
-    for (std::size_t i = 0; i < report["control_points"].size(); ++i) {
-      const json& point = report["control_points"][i];
-      rows.push_back({std::to_string(i), number(point, "residual_m", 2), point["without_it_m"].is_null() ? "-" : number(point, "without_it_m", 2)});
-    }
-    std::cout << table({"point", "residual_m", "without_it_m"}, rows);
-    std::cout << "rms " << number(report, "rms_m", 2) << " m, scale " << number(report, "scale", 4) << ", "
-              << (report.value("stored", false) ? "stored" : "not stored") << "\n";
+void show_floors(const json& report, const Reply& reply) {
+  std::vector<std::vector<std::string>> rows;
+  for (const json& floor : report["floors"]) {
+    rows.push_back({floor["ordinal"].dump(), floor.value("label", ""), number(floor, "outline_m2", 0), number(floor, "walkable_m2", 0), floor["rooms"].dump(),
+                    floor["doors"].dump(), floor["walls"].dump()});
   }
-  return reply.status >= 400 ? EXIT_FAILURE : EXIT_SUCCESS;
+  std::cout << table({"floor", "label", "outline_m2", "walkable_m2", "rooms", "doors", "walls"}, rows);
+  std::cout << (report.value("stored", false) ? "stored" : reply.status >= 400 ? "not stored: mend the errors above" : "not stored: a dry run") << "\n";
 }
 
-int send(const Program& program, const Call& call, int (*show)(const Program&, const Reply&)) {
+void show_fit(const json& report, const Reply&) {
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < report["control_points"].size(); ++i) {
+    const json& point = report["control_points"][i];
+    rows.push_back({std::to_string(i), number(point, "residual_m", 2), point["without_it_m"].is_null() ? "-" : number(point, "without_it_m", 2)});
+  }
+  std::cout << table({"point", "residual_m", "without_it_m"}, rows);
+  std::cout << "rms " << number(report, "rms_m", 2) << " m, scale " << number(report, "scale", 4) << ", "
+            << (report.value("stored", false) ? "stored" : "not stored") << "\n";
+}
+
+int send(const Program& program, const Call& call, void (*the_rest)(const json& report, const Reply& reply)) {
   const auto reply = exchange(program.connection, call.method, call.path, call.body, call.content_type);
   if (!reply) {
     std::cerr << "wayfuse: " << reply.fault().cause << "\n";
     return EXIT_FAILURE;
   }
-  return show(program, *reply);
+  return show(program, *reply, the_rest);
 }
 
 struct PlanChoice {
@@ -109,7 +106,7 @@ void add_plan_commands(CLI::App& app, Program& program) {
   import->add_flag("--zones", choice->zones, "Make a zone of each room with a name");
   import->callback([&, choice] {
     program.run = [&program, choice] {
-      return send(program, {"PUT", building_path(program, "/plan" + query_of(*choice)), content_of(program.file), "", {}, false, "application/octet-stream"}, show_plan);
+      return send(program, {"PUT", building_path(program, "/plan" + query_of(*choice)), content_of(program.file), "", {}, false, "application/octet-stream"}, show_floors);
     };
   });
 
