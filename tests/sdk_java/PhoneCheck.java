@@ -66,6 +66,17 @@ public class PhoneCheck {
     require(position != null && Math.abs(position.xM - 3) < 0.1 && position.floor == 2, "the position of the server");
     require(Double.isNaN(position.latitudeDeg), "no place on the map");
     require(positions > 0 && streaming == 1 && tokens == 1, "callbacks came");
+    double[] learnt = phone.calibration();
+    require(learnt.length == 9 && learnt[3] > 0 && Math.abs(learnt[7] - 1) < 0.3, "what was learnt: " + java.util.Arrays.toString(learnt));
+    learnt[0] = 0.01;
+    learnt[5] = -12;
+    try (Phone next = new Phone(words[0], 1, "java", false, quiet, learnt)) {
+      double[] again = next.calibration();
+      require(again[0] == 0.01 && again[5] == -12 && again[7] == learnt[7], "the calibration was taken up: " + java.util.Arrays.toString(again));
+    }
+    refused(IllegalArgumentException.class, "calibration", () -> new Phone(words[0], 1, "java", false, quiet, new double[2]));
+    learnt[7] = 9;
+    refused(IllegalArgumentException.class, "step_scale", () -> new Phone(words[0], 1, "java", false, quiet, learnt));
     phone.networkChanged();
     phone.stop();
     phone.close();

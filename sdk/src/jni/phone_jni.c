@@ -176,11 +176,25 @@ static wayfuse_text text_of(JNIEnv *env, jstring string, const char **held) {
   return text;
 }
 
+/* A calibration as Java keeps it: its numbers in the order of the struct. */
+enum { CALIBRATION_LENGTH = 9 };
+static wayfuse_calibration calibration_of(const jdouble *numbers) {
+  wayfuse_calibration calibration;
+  wayfuse_calibration_init(&calibration, sizeof calibration);
+  memcpy(calibration.turn_rate_bias_radps, numbers, 3 * sizeof *numbers);
+  calibration.bias_sigma_radps = numbers[3];
+  memcpy(calibration.field_offset_ut, numbers + 4, 3 * sizeof *numbers);
+  calibration.step_scale = numbers[7];
+  calibration.step_scale_sigma = numbers[8];
+  return calibration;
+}
+
 static struct binding *of(jlong handle) { return (struct binding *)(intptr_t)handle; }
 
 JNIEXPORT jlong JNICALL Java_org_wayfuse_Phone_create(JNIEnv *env, jclass self, jstring url, jlong building, jstring model,
-                                                      jboolean background, jobject listener) {
+                                                      jboolean background, jobject listener, jdoubleArray kept) {
   wayfuse_options options;
+  wayfuse_calibration calibration;
   const char *held_url, *held_model;
   wayfuse_status status;
   struct binding *b = bind(env, listener);
@@ -198,6 +212,12 @@ JNIEXPORT jlong JNICALL Java_org_wayfuse_Phone_create(JNIEnv *env, jclass self, 
   options.on_fault = on_fault;
   options.on_samples_lost = on_lost;
   options.on_disconnected = on_disconnected;
+  if (kept) {
+    jdouble numbers[CALIBRATION_LENGTH];
+    (*env)->GetDoubleArrayRegion(env, kept, 0, CALIBRATION_LENGTH, numbers);
+    calibration = calibration_of(numbers);
+    options.calibration = &calibration;
+  }
   status = wayfuse_phone_create(&options, &b->phone);
   if (held_url) (*env)->ReleaseStringUTFChars(env, url, held_url);
   if (held_model) (*env)->ReleaseStringUTFChars(env, model, held_model);
@@ -292,6 +312,22 @@ JNIEXPORT jobject JNICALL Java_org_wayfuse_Phone_positionNow(JNIEnv *env, jclass
   status = wayfuse_phone_position_now(of(handle)->phone, &position);
   if (status == WAYFUSE_NO_POSITION || !check(env, status)) return NULL;
   return position_of(env, of(handle), &position);
+}
+
+JNIEXPORT jdoubleArray JNICALL Java_org_wayfuse_Phone_calibration(JNIEnv *env, jclass self, jlong handle) {
+  wayfuse_calibration learnt;
+  jdoubleArray kept;
+  (void)self;
+  wayfuse_calibration_init(&learnt, sizeof learnt);
+  if (!check(env, wayfuse_phone_calibration(of(handle)->phone, &learnt))) return NULL;
+  kept = (*env)->NewDoubleArray(env, CALIBRATION_LENGTH);
+  if (!kept) return NULL;
+  (*env)->SetDoubleArrayRegion(env, kept, 0, 3, learnt.turn_rate_bias_radps);
+  (*env)->SetDoubleArrayRegion(env, kept, 3, 1, &learnt.bias_sigma_radps);
+  (*env)->SetDoubleArrayRegion(env, kept, 4, 3, learnt.field_offset_ut);
+  (*env)->SetDoubleArrayRegion(env, kept, 7, 1, &learnt.step_scale);
+  (*env)->SetDoubleArrayRegion(env, kept, 8, 1, &learnt.step_scale_sigma);
+  return kept;
 }
 
 JNIEXPORT jlong JNICALL Java_org_wayfuse_Phone_nextScan(JNIEnv *env, jclass self, jlong handle) {

@@ -64,6 +64,7 @@ public final class Phone implements AutoCloseable {
     }
   }
 
+  private static final int CALIBRATION_LENGTH = 9;
   private long handle;
 
   /**
@@ -72,10 +73,18 @@ public final class Phone implements AutoCloseable {
    * @throws IllegalArgumentException naming the option and what is wrong with it
    */
   public Phone(String url, long building, String deviceModel, boolean background, Listener listener) {
+    this(url, building, deviceModel, background, listener, null);
+  }
+
+  /** @param calibration what {@link #calibration} gave when the application last ended; null = none */
+  public Phone(String url, long building, String deviceModel, boolean background, Listener listener, double[] calibration) {
     if (listener == null) {
       throw new IllegalArgumentException("listener: null");
     }
-    handle = create(url, building, deviceModel, background, listener);
+    if (calibration != null && calibration.length != CALIBRATION_LENGTH) {
+      throw new IllegalArgumentException("calibration: " + calibration.length + " numbers instead of " + CALIBRATION_LENGTH);
+    }
+    handle = create(url, building, deviceModel, background, listener, calibration);
   }
 
   public synchronized void start() {
@@ -131,6 +140,14 @@ public final class Phone implements AutoCloseable {
     return positionNow(open());
   }
 
+  /**
+   * What has been learnt of the phone's sensors and its walker, to be kept when the application ends: gyroscope bias (rad/s, three axes)
+   * and its sigma, hard iron (µT, three axes), scale of the steps and its sigma.
+   */
+  public synchronized double[] calibration() {
+    return calibration(open());
+  }
+
   /** When to call WifiManager.startScan next (on the clock of {@link #nowUs}); -1 = no scan needed for now. */
   public synchronized long nextScanUs() {
     return nextScan(open());
@@ -163,7 +180,7 @@ public final class Phone implements AutoCloseable {
     return handle;
   }
 
-  private static native long create(String url, long building, String deviceModel, boolean background, Listener listener);
+  private static native long create(String url, long building, String deviceModel, boolean background, Listener listener, double[] calibration);
   private static native void destroy(long handle);
   private static native void start(long handle);
   private static native void stop(long handle);
@@ -172,6 +189,7 @@ public final class Phone implements AutoCloseable {
   private static native void feedScan(long handle, long arrivedUs, long[] bssids, int[] levelsDbm, int[] frequenciesMhz, long[] heardUs);
   private static native void feedGnss(long handle, long timeUs, double latitudeDeg, double longitudeDeg, double accuracyM);
   private static native Position positionNow(long handle);
+  private static native double[] calibration(long handle);
   private static native long nextScan(long handle);
   private static native void scanStarted(long handle);
 }
