@@ -87,6 +87,14 @@ class Browser:
             await asyncio.sleep(0.2)
         raise AssertionError(f"not within {seconds} s: {condition}")
 
+    async def until_here(self, condition, seconds=60):
+        """The same for a condition of ours."""
+        for _ in range(seconds * 5):
+            if condition():
+                return
+            await asyncio.sleep(0.2)
+        raise AssertionError(f"not within {seconds} s")
+
     async def resize(self, width, height):
         await self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
@@ -107,6 +115,9 @@ class Browser:
         root = (await self.call("DOM.getDocument"))["root"]["nodeId"]
         node = (await self.call("DOM.querySelector", nodeId=root, selector=selector))["nodeId"]
         await self.call("DOM.setFileInputFiles", nodeId=node, files=[str(file)])
+
+    async def keep_downloads(self, folder):
+        await self.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
 
     async def picture(self, file):
         shot = await self.call("Page.captureScreenshot", format="png")

@@ -20,6 +20,10 @@ from view_checks import VIEWS, fill, says
 SCREENS = {"wide": (1600, 1000), "tablet": (820, 1100), "phone": (390, 844)}
 
 
+# What a view has to open before it is looked at: what is pressed, and what must then be there.
+OPENED = {"live": [("#phones button", "[aria-pressed=true].link")], "sessions": [("#sessions a", ".residual")]}
+
+
 def unmeant(page):
     """What the page complained of, without the 404 that says that a floor has no picture."""
     return [one for one in page.complaints if "/image/placement" not in one]
@@ -58,6 +62,17 @@ async def use_the_keyboard(page, building):
         reached.add(met)
     for wanted in ("Live", "Survey", "Keys", "Building", "Zoom in", "68 %", "Sign out"):
         assert wanted in reached, f"Tab does not reach {wanted}: {reached}"
+    # From the phone's row to why it is where it is.
+    await page.run("document.querySelector('#phones button').focus()")
+    await page.press("Enter")
+    await page.until(says("Why is it here?"))
+    await page.run("document.querySelector('.side button').focus()")
+    while await page.run("document.activeElement.textContent !== 'Why is it here?'"):
+        await page.press("Tab")
+    await page.press("Enter")
+    await page.until("location.hash.split('/').length === 4 && document.querySelector('.residual')")
+    await page.run("history.back()")
+    await page.until("document.querySelector('#phones tr')")
     await page.run("document.querySelector('.map-box').focus()")
     scale = "document.querySelector('.leaflet-control-scale-line').textContent + document.querySelector('.leaflet-control-scale-line').style.width"
     before = await page.run(scale)
@@ -75,7 +90,9 @@ async def look_at_every_screen(page, building, pictures):
             for view in VIEWS:
                 await page.run(f"location.hash = '#/{building}/{view}'")
                 await page.until(f"document.querySelector('.rail [aria-current]').getAttribute('href').endsWith('/{view}') && !document.querySelector('.loading')")
-                await page.run("document.querySelector('[data-layer=phones]') ? document.querySelector('#phones button')?.click() : 0")
+                for button, shown in OPENED.get(view, ()):
+                    await page.run(f"document.querySelector({json.dumps(button)})?.click()")
+                    await page.until(f"document.querySelector({json.dumps(shown)})")
                 await page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
                 await page_checks.hold(page, f"{view}, {screen}, {scheme}")
                 await page.picture(pictures / f"console-{view}-{screen}-{scheme}.png")

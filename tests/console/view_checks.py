@@ -1,8 +1,10 @@
 """What an operator does in each view, and what must then be seen. Every check begins in its view and leaves no dialog open."""
 
 import json
+import pathlib
 
 import page_checks
+from receiver import Receiver
 
 # How much of a canvas layer is painted, by its own pixels.
 PAINTED = """(() => { const c = document.querySelector('canvas[data-layer=%s]'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
@@ -45,6 +47,23 @@ async def live(page, system):
     await page.until(says("What the fix rests on"))
     assert await page.run("Number([...document.querySelectorAll('dt')].find((e) => e.textContent === 'Access points used').nextSibling.textContent)") > 0
     await page.until(says("wayfuse-phone"))  # the session's own data, from the API
+
+
+async def sessions(page, system):
+    await page.until("document.querySelectorAll('#sessions tr').length === 5")
+    await page.run("document.querySelector('#sessions a').click()")
+    await page.until("location.hash.split('/').length === 4 && document.querySelector('.residual')")
+    await page.until(f"{PAINTED % 'explanation'} > 0.0005")  # particles and regions
+    used = "Number([...document.querySelectorAll('h2')].find((e) => e.textContent.startsWith('Access points used')).querySelector('.badge').textContent)"
+    assert await page.run(used) > 3
+    assert await page.run("[...document.querySelectorAll('.bar meter')].reduce((sum, e) => sum + e.value, 0)") > 0.9, "floor votes"
+    await page.run("document.querySelector('.side tbody button').click()")
+    await page.until(f"{says('in the survey')} && {PAINTED % 'points'} > 0.0003")  # where the survey heard it
+    await page.run(click("Hold"))
+    await page.until(says("Go on"))
+    await page.run(f"location.hash = '#/{system.building}/sessions/nobody'")
+    await page.until(says("The session has ended"))
+    page.complaints = [one for one in page.complaints if "/nobody/explain" not in one]
 
 
 async def zones(page, system):
@@ -128,8 +147,76 @@ async def plans(page, system):
     await page_checks.hold(page, "plan report")
 
 
+async def webhooks(page, system):
+    receiver = Receiver()
+    try:
+        await page.until(says("No webhook yet"))
+        await page.run(click("New webhook"))
+        await page.until("document.getElementById('webhook-url')")
+        await page_checks.hold(page, "new webhook")
+        await page.run(fill("#webhook-url", receiver.url))
+        await page.run(click("Create webhook"))
+        await page.until("document.getElementById('secret')?.textContent.startsWith('whsec_')")
+        await page.run(click("I have kept it"))
+        await page.until("document.querySelectorAll('[data-webhook]').length === 1")
+        # Whoever is on the floor enters a new zone; the receiver refuses that for good.
+        system.post(f"/v1/buildings/{system.building}/zones", json.dumps({"name": "Lobby", "floor": 0, "region": [[[0, 0], [60, 0], [60, 32], [0, 32]]],
+                    "exit_tolerance_m": 1, "tolerance_timeout_us": 1000000, "exit_delay_us": 1000000, "timeout_us": 60000000}).encode())
+        await page.until("[...document.querySelectorAll('button')].some((b) => b.textContent === 'Dead letters')")
+        assert await page.run(says("Last failure"))
+        await page.run(click("Dead letters"))
+        await page.until("document.querySelectorAll('[data-event]').length > 0")
+        await page_checks.hold(page, "dead letters")
+        receiver.takes = True
+        await page.run(click("Try again", "document.querySelector('dialog')"))
+        await page.until("Number(document.querySelector('[data-label=Delivered]').textContent) > 0")
+        assert receiver.taken > 0
+        await page.run(click("Edit"))
+        await page.until("document.querySelector('dialog[open]') && !document.querySelector('dialog .loading')")
+        await page.run("document.querySelector('dialog input[type=checkbox]').click()")
+        await page.run(click("Save"))
+        await page.until(f"!document.querySelector('dialog[open]') && {says('switched off')}")
+    finally:
+        receiver.close()
+
+
+async def data(page, system):
+    await page.until("document.getElementById('erase-point')")
+    await page.run(click("Verify"))
+    await page.until("document.querySelector('.card-head .badge')?.textContent === 'sound'")
+    await page.run(fill("#erase-point", "1"))
+    await page.run(click("Erase"))
+    await page.until("document.querySelector('dialog[open]')")
+    await page_checks.hold(page, "erase")
+    await page.run(click("Erase", "document.querySelector('dialog')"))
+    await page.until(says("1 point erased"))
+    await back_up_remove_restore(page, system)
+
+
+async def back_up_remove_restore(page, system):
+    shed = str(system.post("/v1/buildings", b'{"name": "Shed", "floors": []}')["id"])
+    await page.run("location.reload()")
+    await page.until(f"document.querySelector('.building-choice select option[value=\"{shed}\"]')")
+    await page.run(f"location.hash = '#/{shed}/data'")
+    await page.until("document.querySelector('.building-choice select').selectedOptions[0]?.text === 'Shed' && document.getElementById('erase-point')")
+    await page.keep_downloads(system.folder)
+    await page.run(click("Backup"))
+    backup = pathlib.Path(system.folder) / f"building-{shed}.sqlite"
+    await page.until_here(lambda: backup.exists() and backup.read_bytes().startswith(b"SQLite format 3"))
+    await page.run(click("Remove"))
+    await page.until("document.querySelector('dialog[open]')")
+    removing = "document.querySelector('dialog button.danger')"
+    assert await page.run(f"{removing}.disabled"), "a building is not removed before its name was typed"
+    await page.run(fill("dialog input", "Shed"))
+    await page.until(f"!{removing}.disabled")
+    await page.run(f"{removing}.click()")
+    await page.until("location.hash.endsWith('/buildings') && document.querySelectorAll('[data-building]').length === 1")
+    await page.choose_file("#backup-file", backup)
+    await page.until(f"document.querySelector('[data-building=\"{shed}\"]')")
+
+
 async def buildings(page, system):
-    await page.until("document.querySelectorAll('[data-building]').length === 1")
+    await page.until("document.querySelectorAll('[data-building]').length === 2")
     await page.run(click("New building"))
     await page.until("document.querySelector('#building-name')")
     await page_checks.hold(page, "new building")
@@ -145,6 +232,10 @@ async def keys(page, system):
     await page.until("document.querySelector('dialog[open] #key-name')")
     await page_checks.hold(page, "new key")
     await page.run(fill("#key-name", "Visitor app"))
+    assert await page.run("document.getElementById('key-coarse').disabled"), "a key that observes nothing cannot see less"
+    await page.run("document.querySelectorAll('dialog fieldset input')[2].click()")
+    await page.until("!document.getElementById('key-coarse').disabled")
+    await page.run("document.getElementById('key-coarse').click()")
     await page.run(click("Create key"))
     await page.until("document.getElementById('secret')")
     secret = await page.run("document.getElementById('secret').textContent")
@@ -152,6 +243,7 @@ async def keys(page, system):
     await page.run(click("I have kept it"))
     await page.until("document.querySelectorAll('[data-key]').length === 2")
     assert not await page.run(f"document.documentElement.outerHTML.includes({json.dumps(secret)})"), "a key is shown once"
+    assert await page.run(says("zones only"))
     await page.run("[...document.querySelectorAll('[data-key]')].find((r) => r.innerText.includes('Visitor app')).querySelector('button').click()")
     await page.until("document.querySelector('dialog[open]')")
     await page.run(click("Revoke", "document.querySelector('dialog')"))
@@ -164,5 +256,5 @@ async def audit(page, system):
 
 
 # In the order an operator meets them; each is also looked at on every screen.
-VIEWS = {"live": live, "zones": zones, "survey": survey, "maps": maps, "access-points": access_points, "plans": plans, "buildings": buildings,
-         "keys": keys, "audit": audit}
+VIEWS = {"live": live, "sessions": sessions, "zones": zones, "survey": survey, "maps": maps, "access-points": access_points, "plans": plans,
+         "webhooks": webhooks, "data": data, "buildings": buildings, "keys": keys, "audit": audit}

@@ -1,4 +1,4 @@
-import { Building2, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun } from 'lucide-preact';
+import { Building2, Database, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun, Waypoints, Webhook } from 'lucide-preact';
 import type { ComponentType } from 'preact';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { StandingContext, type Standing } from './context';
@@ -10,12 +10,15 @@ import { isDark, switchTheme } from './theme';
 import { AccessPoints } from './views/access_points';
 import { Audit } from './views/audit';
 import { Buildings } from './views/buildings';
+import { Data } from './views/data';
 import { FloorPlans } from './views/floor_plans';
 import { Keys } from './views/keys';
 import { Live } from './views/live';
 import { RadioMaps } from './views/radio_maps';
+import { Sessions } from './views/sessions';
 import { SignIn } from './views/sign_in';
 import { Survey } from './views/survey';
+import { Webhooks } from './views/webhooks';
 import { Zones } from './views/zones';
 import { tabKey } from './wire/api';
 import { Observer, type LinkState } from './wire/observer';
@@ -29,11 +32,14 @@ const view = (name: string, title: string, short: string, icon: unknown, show: C
 
 const kViews: View[] = [
   view('live', 'Live', 'Live', Navigation, Live),
+  view('sessions', 'Sessions', 'Sessions', Waypoints, Sessions),
   view('zones', 'Zones', 'Zones', Shapes, Zones),
   view('survey', 'Survey', 'Survey', MapPinned, Survey),
   view('maps', 'Radio maps', 'Maps', Layers, RadioMaps),
   view('access-points', 'Access points', 'Access', Router, AccessPoints),
   view('plans', 'Floor plans', 'Plans', FileStack, FloorPlans),
+  view('webhooks', 'Webhooks', 'Hooks', Webhook, Webhooks),
+  view('data', 'Data and privacy', 'Data', Database, Data),
   view('buildings', 'Buildings', 'Buildings', Building2, Buildings, false),
   view('keys', 'Keys', 'Keys', KeyRound, Keys, false),
   view('audit', 'Audit', 'Audit', ScrollText, Audit, false),
@@ -49,11 +55,14 @@ function Signed({ leave }: { leave: () => void }) {
   const route = useRoute();
   const list = useAnswer<{ buildings: BuildingSummary[] }>('/v1/buildings');
   // A key for one building may not list them: then the address names it.
-  const buildings = list.data?.buildings ?? null;
+  const [removed, setRemoved] = useState<number | null>(null);
+  const buildings = list.data?.buildings.filter((each) => each.id !== removed) ?? null;
   const limited = list.fault?.status === 403;
-  const id = route.building ?? buildings?.[0]?.id ?? null;
+  const id = (route.building !== removed ? route.building : null) ?? buildings?.[0]?.id ?? null;
   const one = useAnswer<Building>(id ? `/v1/buildings/${id}` : null);
-  const standing = useStandingOf(one.data, buildings, () => { list.again(); one.again(); });
+  const reload = () => { setRemoved(null); list.again(); one.again(); };
+  const forget = (gone: number) => { setRemoved(gone); list.again(); go(null, 'buildings'); };
+  const standing = useStandingOf(one.data, buildings, reload, forget);
   const shown = kViews.find((each) => each.name === route.view) ?? kViews[0]!;
 
   useEffect(() => { document.title = `${shown.title} · ${one.data?.name ?? 'wayfuse'}`; }, [shown, one.data?.name]);
@@ -77,7 +86,7 @@ function Signed({ leave }: { leave: () => void }) {
   );
 }
 
-function useStandingOf(building: Building | null, buildings: BuildingSummary[] | null, reload: () => void) {
+function useStandingOf(building: Building | null, buildings: BuildingSummary[] | null, reload: () => void, forget: (building: number) => void) {
   const phones = useMemo(() => new Phones(), []);
   const [link, setLink] = useState<LinkState>({ kind: 'connecting' });
   const [zoneEvents, setZoneEvents] = useState<ZoneEvent[]>([]);
@@ -103,7 +112,7 @@ function useStandingOf(building: Building | null, buildings: BuildingSummary[] |
   }, [building?.id]);
   const floors = building?.floors.map((one) => one.ordinal) ?? [];
   const chosen = floor !== null && floors.includes(floor) ? floor : floors.includes(0) ? 0 : floors[0] ?? null;
-  const value: Standing = { buildings, building, floor: chosen, setFloor, reload, phones, link, zoneEvents, say };
+  const value: Standing = { buildings, building, floor: chosen, setFloor, reload, forget, phones, link, zoneEvents, say };
   return { value, toasts };
 }
 

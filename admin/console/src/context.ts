@@ -12,6 +12,7 @@ export interface Standing {
   floor: number | null;
   setFloor: (ordinal: number) => void;
   reload: () => void;
+  forget: (building: number) => void;  // it was removed
   phones: Phones;
   link: LinkState;
   zoneEvents: ZoneEvent[];             // newest first

@@ -86,3 +86,16 @@ export function shownAt(phone: Phone, now: number): Place {
   const part = (now - phone.heardAt) / kGlideMs;
   return { x_m: phone.from.x_m + (to.x_m - phone.from.x_m) * part, y_m: phone.from.y_m + (to.y_m - phone.from.y_m) * part, floor: to.floor };
 }
+
+/// The phone nearest to a point of a floor, within `reach` metres.
+export function nearestPhone(phones: Phone[], floor: number | null, x: number, y: number, reach: number): string | null {
+  let best: string | null = null;
+  let least = reach;
+  const now = performance.now();
+  for (const phone of phones) {
+    const place = shownAt(phone, now);
+    const distance = Math.hypot(place.x_m - x, place.y_m - y);
+    if (place.floor === floor && distance < least) [best, least] = [phone.name, distance];
+  }
+  return best;
+}

@@ -1,6 +1,6 @@
 // The style sheet's colours for what is painted on a canvas; read again when the theme changes.
 
-const kNames = { phone: '--phone', warn: '--warn-ink', bad: '--bad-ink', halo: '--halo', point: '--point', muted: '--muted', ink: '--ink' } as const;
+const kNames = { phone: '--phone', warn: '--warn-ink', bad: '--bad-ink', halo: '--halo', point: '--point', muted: '--muted', ink: '--ink', zone: '--zone' } as const;
 export type Inks = Record<keyof typeof kNames, string>;
 
 let known: Inks | null = null;

@@ -67,8 +67,9 @@ export class PhoneLayer {
       const alike = phones.filter((phone) => phone.position.integrity === state);
       if (!alike.length) continue;
       const colour = ink[kInkOf[state]];
-      if (this.view.outer && phones.length <= kOuterAtMost) fillEllipses(pen, alike, now, 'radius95_m', colour, 0.07);
-      if (this.view.inner) fillEllipses(pen, alike, now, 'radius68_m', colour, 0.18);
+      const others = alike.filter((phone) => phone.name !== this.view.chosen);   // the chosen one's regions glide with it
+      if (this.view.outer && phones.length <= kOuterAtMost) fillEllipses(pen, others, now, 'radius95_m', colour, 0.07);
+      if (this.view.inner) fillEllipses(pen, others, now, 'radius68_m', colour, 0.18);
       if (this.view.tracks) strokeTracks(pen, alike, this.view.floor, colour, 1.5, 0.35);
     }
     const chosen = this.view.chosen ? this.phones.byName.get(this.view.chosen) : undefined;
@@ -175,7 +176,9 @@ function drawChosen(pen: Pen, phone: Phone, now: number, ink: Inks): void {
   for (const radius of ['radius68_m', 'radius95_m'] as const) {
     ctx.beginPath();
     traceEllipse(pen, phone, now, radius);
-    Object.assign(ctx, { strokeStyle: colour, lineWidth: radius === 'radius68_m' ? 2 : 1.25 });
+    Object.assign(ctx, { fillStyle: colour, strokeStyle: colour, lineWidth: radius === 'radius68_m' ? 2 : 1.25, globalAlpha: 0.12 });
+    ctx.fill();
+    ctx.globalAlpha = 1;
     ctx.setLineDash(radius === 'radius68_m' ? [] : [5, 4]);
     ctx.stroke();
   }

@@ -15,5 +15,8 @@ export const cssColourAt = (part: number) => `rgb(${colourAt(part).join(' ')})`;
 
 export interface Scale { least: number; most: number; unit: string }
 
+/// From hardly heard to beside the access point.
+export const kLevels: Scale = { least: -90, most: -40, unit: 'dBm' };
+
 /// 0..1 on a scale; `least` may be the larger number.
 export const partOf = (scale: Scale, value: number) => (value - scale.least) / (scale.most - scale.least);

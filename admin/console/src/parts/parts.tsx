@@ -55,14 +55,16 @@ interface ConfirmProps {
   act: string;
   danger?: boolean;
   reason?: boolean;                       // ask for one, for the audit
+  typed?: string;                         // to be typed before the deed
   children: ComponentChildren;
   onClose: () => void;
   onConfirm: (reason: string) => Promise<unknown>;
 }
 
 /// Says what will happen, asks, does it, and stays open with the cause if it was refused.
-export function Confirm({ title, act, danger, reason, children, onClose, onConfirm }: ConfirmProps) {
+export function Confirm({ title, act, danger, reason, typed, children, onClose, onConfirm }: ConfirmProps) {
   const [why, setWhy] = useState('');
+  const [repeated, setRepeated] = useState('');
   const { busy, fault, run } = useDeed();
   const submit = (event: Event) => {
     event.preventDefault();
@@ -78,10 +80,15 @@ export function Confirm({ title, act, danger, reason, children, onClose, onConfi
             <textarea required maxLength={256} value={why} onInput={(event) => setWhy(event.currentTarget.value)} placeholder="For whoever asks later" />
           </label>
         )}
+        {typed && (
+          <label class="field"><span>Type “{typed}” to go on</span>
+            <input autocomplete="off" value={repeated} onInput={(event) => setRepeated(event.currentTarget.value)} />
+          </label>
+        )}
         {fault && <Fault fault={fault} />}
         <div class="row end">
           <button type="button" onClick={onClose}>Cancel</button>
-          <button class={`primary ${danger ? 'danger' : ''}`} disabled={busy}>{busy ? 'Working …' : act}</button>
+          <button class={`primary ${danger ? 'danger' : ''}`} disabled={busy || (typed !== undefined && repeated.trim() !== typed)}>{busy ? 'Working …' : act}</button>
         </div>
       </form>
     </Dialog>

@@ -1,24 +1,39 @@
-import { Building2, Plus } from 'lucide-preact';
-import { useState } from 'preact/hooks';
+import { ArchiveRestore, Building2, Plus } from 'lucide-preact';
+import { useRef, useState } from 'preact/hooks';
 import { useStanding } from '../context';
-import { Badge, Dialog, DialogHead, Empty, Fault, Loading } from '../parts/parts';
+import { Badge, Dialog, DialogHead, Empty, Fault, Loading, useDeed } from '../parts/parts';
 import { count, plural } from '../parts/words';
 import { hashOf } from '../route';
+import { ask } from '../wire/api';
 import type { Building } from '../wire/shapes';
 import { useAnswer } from '../wire/use_answer';
 import { BuildingForm } from './building_form';
 
 /// All buildings of the server; create and edit.
 export function Buildings() {
-  const { buildings, building, reload } = useStanding();
+  const { buildings, building, reload, say } = useStanding();
   const [editing, setEditing] = useState<number | 'new' | null>(null);
+  const { busy, fault, run } = useDeed();
+  const picker = useRef<HTMLInputElement>(null);
+  const restore = (file: File | undefined) => file && run(async () => {
+    const restored = await ask<Building>('/v1/restore', { method: 'POST', raw: file, type: 'application/vnd.sqlite3' });
+    say('good', `“${restored.name}” is restored, number ${restored.id}.`);
+    reload();
+  });
   const list = buildings ?? (building ? [building] : []);
   return (
     <div class="sheet">
       <div class="sheet-head">
         <div><h1>Buildings</h1><p>Each has its floors, its own radio map and one database file on the server.</p></div>
-        {buildings && <button class="primary" onClick={() => setEditing('new')}><Plus />New building</button>}
+        {buildings && (
+          <div class="row">
+            <input ref={picker} id="backup-file" type="file" hidden aria-label="Backup" onChange={(event) => { void restore(event.currentTarget.files?.[0]); event.currentTarget.value = ''; }} />
+            <button disabled={busy} onClick={() => picker.current?.click()}><ArchiveRestore />{busy ? 'Restoring …' : 'Restore'}</button>
+            <button class="primary" onClick={() => setEditing('new')}><Plus />New building</button>
+          </div>
+        )}
       </div>
+      {fault && <Fault fault={fault} />}
       <div class="card">
         {list.length === 0 ? (
           <Empty icon={<Building2 />} title="No building yet">Create one with a name and its floors. Then survey it.</Empty>

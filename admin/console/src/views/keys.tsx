@@ -1,7 +1,8 @@
-import { Check, Copy, KeyRound, Plus } from 'lucide-preact';
+import { KeyRound, Plus } from 'lucide-preact';
 import { useState } from 'preact/hooks';
 import { useStanding } from '../context';
-import { Badge, Confirm, Dialog, DialogHead, Empty, Fault, Loading, Notice, useDeed } from '../parts/parts';
+import { Badge, Confirm, Dialog, DialogHead, Empty, Fault, Loading, useDeed } from '../parts/parts';
+import { ShownOnce } from '../parts/shown_once';
 import { when } from '../parts/words';
 import { ask } from '../wire/api';
 import type { Key } from '../wire/shapes';
@@ -13,7 +14,7 @@ const kScopes = [
   ['observe', 'Dashboards: see positions'],
   ['admin', 'Operators: everything, keys too'],
 ] as const;
-const kLifetimes = [['', 'Never'], ['86400', 'In a day'], ['2592000', 'In 30 days'], ['31536000', 'In a year']] as const;
+const kLifetimes = [['', 'Never'], ['86400', 'In a day'], ['604800', 'In a week'], ['2592000', 'In 30 days'], ['31536000', 'In a year']] as const;
 
 export function Keys() {
   const { buildings, say } = useStanding();
@@ -37,7 +38,7 @@ export function Keys() {
               {data?.keys.map((key) => (
                 <tr key={key.id} data-key={key.id}>
                   <td><strong>{key.name}</strong></td>
-                  <td data-label="Scopes" class="whole"><div class="row tight">{key.scopes.map((scope) => <Badge key={scope} tone={scope === 'admin' ? 'info' : ''}>{scope}</Badge>)}</div></td>
+                  <td data-label="Scopes" class="whole"><div class="row tight">{key.scopes.map((scope) => <Badge key={scope} tone={scope === 'admin' ? 'info' : ''}>{scope}</Badge>)}{key.coarse && <Badge tone="good">zones only</Badge>}</div></td>
                   <td data-label="Building">{nameOf(key.building)}</td>
                   <td data-label="Created">{when(key.created_at_us)}</td>
                   <td data-label="Expires">{key.expires_at_us === undefined ? 'Never' : expired(key) ? <Badge tone="bad">expired</Badge> : when(key.expires_at_us)}</td>
@@ -65,13 +66,18 @@ function NewKey({ onClose }: { onClose: () => void }) {
   const [scopes, setScopes] = useState<string[]>(['track']);
   const [building, setBuilding] = useState('0');
   const [lifetime, setLifetime] = useState('');
+  const [coarse, setCoarse] = useState(false);
   const [secret, setSecret] = useState('');
   const { busy, fault, run } = useDeed();
+  const mayBeCoarse = scopes.includes('observe') && !scopes.includes('admin');
   const make = async () => {
-    const body = { name: name.trim(), scopes, building: Number(building), ...(lifetime ? { expires_in_s: Number(lifetime) } : {}) };
+    const body = { name: name.trim(), scopes, building: Number(building), ...(lifetime && { expires_in_s: Number(lifetime) }), ...(mayBeCoarse && coarse && { coarse }) };
     setSecret((await ask<{ key: string }>('/v1/keys', { method: 'POST', body })).key);
   };
-  if (secret) return <ShownOnce name={name} secret={secret} onClose={onClose} />;
+  if (secret) {
+    return <ShownOnce title={`“${name}” is created`} secret={secret} onClose={onClose}
+      notice="This is the only time the key is shown. The server keeps a hash of it, nothing else." />;
+  }
   return (
     <Dialog title="New key" onClose={onClose}>
       <form onSubmit={(event) => { event.preventDefault(); void run(make); }}>
@@ -89,6 +95,11 @@ function NewKey({ onClose }: { onClose: () => void }) {
             </label>
           ))}
         </fieldset>
+        <label class="check">
+          <input id="key-coarse" type="checkbox" checked={mayBeCoarse && coarse} disabled={!mayBeCoarse} aria-describedby="coarse-hint" onChange={() => setCoarse(!coarse)} />
+          <span>Zones only</span>
+        </label>
+        <p class="hint" id="coarse-hint">It learns which zone a phone is in and never a coordinate. For keys that observe and are not “admin”.</p>
         <div class="fields">
           <label class="field"><span>Building</span>
             <select value={building} onChange={(event) => setBuilding(event.currentTarget.value)}>
@@ -108,22 +119,6 @@ function NewKey({ onClose }: { onClose: () => void }) {
           <button class="primary" disabled={busy || scopes.length === 0}>Create key</button>
         </div>
       </form>
-    </Dialog>
-  );
-}
-
-function ShownOnce({ name, secret, onClose }: { name: string; secret: string; onClose: () => void }) {
-  const [copied, setCopied] = useState(false);
-  const copy = () => navigator.clipboard?.writeText(secret).then(() => setCopied(true), () => setCopied(false));
-  return (
-    <Dialog title="Key created" onClose={onClose}>
-      <div class="dialog-body">
-        <DialogHead title={`“${name}” is created`} onClose={onClose} />
-        <Notice tone="warn">This is the only time the key is shown. The server keeps a hash of it, nothing else.</Notice>
-        <div class="secret"><code id="secret">{secret}</code>
-          <button type="button" onClick={copy}>{copied ? <Check /> : <Copy />}{copied ? 'Copied' : 'Copy'}</button></div>
-        <div class="row end"><button class="primary" autofocus onClick={onClose}>I have kept it</button></div>
-      </div>
     </Dialog>
   );
 }

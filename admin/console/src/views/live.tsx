@@ -1,24 +1,24 @@
 import type L from 'leaflet';
 import { Smartphone, X } from 'lucide-preact';
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { useBuilding } from '../context';
-import { shownAt, type Phone } from '../live/phones';
+import { nearestPhone, type Phone } from '../live/phones';
 import { usePhones } from '../live/use_phones';
 import { FloorMap, toLatLng } from '../map/floor_map';
 import { useFloorImage } from '../map/image_layer';
-import { listenToInks } from '../map/inks';
 import { PhoneLayer } from '../map/phone_layer';
 import { zoneLayer } from '../map/zone_layer';
+import { useLayer } from '../map/use_layer';
 import { Badge, Empty, Notice } from '../parts/parts';
+import { toneOf } from '../parts/tones';
 import { metres, plural } from '../parts/words';
 import { hashOf } from '../route';
-import type { Integrity, Session } from '../wire/shapes';
+import type { Session } from '../wire/shapes';
 import type { Zone } from '../wire/zone_shapes';
 import { useAnswer } from '../wire/use_answer';
 import { PhoneCard } from './phone_card';
 
 const kRows = 100;
-export const toneOf = (integrity: Integrity) => (({ ok: 'good', degraded: 'warn', suspect: 'bad' }) as const)[integrity];
 
 export function Live() {
   const { building, floor, setFloor, phones, link } = useBuilding();
@@ -31,12 +31,7 @@ export function Live() {
   const [showZones, setShowZones] = useState(true);
   usePhones(phones);
   const sessions = useAnswer<{ sessions: Session[] }>(`/v1/buildings/${building.id}/sessions`, 5000);
-  const layer = useMemo(() => (map ? new PhoneLayer(map, phones) : null), [map]);
-  useEffect(() => {
-    if (!layer) return;
-    const deaf = listenToInks(() => layer.show({}));
-    return () => { deaf(); layer.remove(); };
-  }, [layer]);
+  const layer = useLayer(map, (made) => new PhoneLayer(made, phones));
   useEffect(() => layer?.show({ floor, chosen, tracks, inner, outer }), [layer, floor, chosen, tracks, inner, outer]);
 
   const zones = useAnswer<{ zones: Zone[] }>(`/v1/buildings/${building.id}/zones?most=1000`);
@@ -64,7 +59,7 @@ export function Live() {
     const at = toLatLng([place.x_m, place.y_m]);
     if (!map.getBounds().pad(-0.1).contains(at)) map.panTo(at);
   };
-  const pick = (x: number, y: number, reach: number) => choose(nearest(phones.present(), floor, x, y, reach));
+  const pick = (x: number, y: number, reach: number) => choose(nearestPhone(phones.present(), floor, x, y, reach));
   const present = phones.present();
   const counts = new Map<number, number>();
   for (const one of present) counts.set(one.position.place.floor, (counts.get(one.position.place.floor) ?? 0) + 1);
@@ -103,18 +98,6 @@ export function Live() {
       </aside>
     </div>
   );
-}
-
-function nearest(phones: Phone[], floor: number | null, x: number, y: number, reach: number): string | null {
-  let best: string | null = null;
-  let least = reach;
-  const now = performance.now();
-  for (const phone of phones) {
-    const place = shownAt(phone, now);
-    const distance = Math.hypot(place.x_m - x, place.y_m - y);
-    if (place.floor === floor && distance < least) [best, least] = [phone.name, distance];
-  }
-  return best;
 }
 
 function PhoneList({ phones, chosen, choose }: { phones: Phone[]; chosen: string | null; choose: (name: string) => void }) {

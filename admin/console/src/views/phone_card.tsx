@@ -1,14 +1,16 @@
+import { Waypoints } from 'lucide-preact';
 import type { Phone } from '../live/phones';
 import { Badge, Facts } from '../parts/parts';
-import { ago, metres, percent, plural } from '../parts/words';
+import { FloorVotes } from '../parts/floor_votes';
+import { toneOf } from '../parts/tones';
+import { ago, metres, plural } from '../parts/words';
+import { hashOf } from '../route';
 import type { Floor, Session } from '../wire/shapes';
-import { toneOf } from './live';
 
 /// One phone: where, how sure, and on what grounds.
 export function PhoneCard({ phone, session, floors }: { phone: Phone; session: Session | null; floors: Floor[] }) {
   const { position } = phone;
   const { from } = position;
-  const label = (ordinal: number) => floors.find((one) => one.ordinal === ordinal)?.label || String(ordinal);
   return (
     <>
       <Facts big facts={[
@@ -25,15 +27,7 @@ export function PhoneCard({ phone, session, floors }: { phone: Phone; session: S
         ['Radio map', `version ${position.radio_map_version}`],
       ]} />
       <h3>Floor votes</h3>
-      <div class="bars">
-        {position.floors.slice(0, 4).map(({ floor, probability }) => (
-          <div class="bar" key={floor}>
-            <span>{label(floor)}</span>
-            <meter min={0} max={1} value={probability} aria-label={`Floor ${label(floor)}`} />
-            <span>{percent(probability)}</span>
-          </div>
-        ))}
-      </div>
+      <FloorVotes votes={position.floors} floors={floors} />
       <h3>What the fix rests on</h3>
       <Facts facts={[
         ['Access points used', from.transmitters_used],
@@ -42,6 +36,7 @@ export function PhoneCard({ phone, session, floors }: { phone: Phone; session: S
         ['Since then', plural(from.steps_since_scan, 'step')],
         ...(from.gnss ? [['Satellites', 'took part'] as [string, string]] : []),
       ]} />
+      <div><a class="button" href={hashOf(position.building, 'sessions', phone.name)}><Waypoints />Why is it here?</a></div>
       {session && (
         <>
           <h3>Session</h3>

@@ -1,10 +1,10 @@
 import type L from 'leaflet';
 import { Download, MapPinned, X } from 'lucide-preact';
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { useBuilding } from '../context';
 import { FloorMap } from '../map/floor_map';
-import { listenToInks } from '../map/inks';
-import type { Scale } from '../map/scale_colours';
+import { kLevels } from '../map/scale_colours';
+import { useLayer } from '../map/use_layer';
 import { Choice } from '../parts/choice';
 import { Legend } from '../parts/legend';
 import { Empty, Facts, Fault, Loading, useDeed } from '../parts/parts';
@@ -20,7 +20,6 @@ import { useAnswer, type Asked } from '../wire/use_answer';
 type Colouring = 'error' | 'heard' | 'level' | 'plain';
 
 const kTitles: Record<Colouring, string> = { error: 'Expected median error', heard: 'Heard', level: 'Level', plain: '' };
-const kLevels: Scale = { least: -90, most: -40, unit: 'dBm' };
 
 export function Survey() {
   const { building, floor, setFloor } = useBuilding();
@@ -29,12 +28,7 @@ export function Survey() {
   const [colouring, setColouring] = useState<Colouring>('error');
   const [bssid, setBssid] = useState('');
   const [chosen, setChosen] = useState<SurveyedPoint | null>(null);
-  const layer = useMemo(() => (map ? new PointLayer(map) : null), [map]);
-  useEffect(() => {
-    if (!layer) return;
-    const deaf = listenToInks(() => layer.show({}));
-    return () => { deaf(); layer.remove(); };
-  }, [layer]);
+  const layer = useLayer(map, (made) => new PointLayer(made));
   useEffect(() => setChosen(null), [floor]);
 
   const most = Math.max(10, ...points.map((point) => point.heard.size));

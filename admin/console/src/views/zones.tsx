@@ -3,9 +3,9 @@ import { Plus, Shapes } from 'lucide-preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { useBuilding } from '../context';
 import { FloorMap } from '../map/floor_map';
-import { listenToInks } from '../map/inks';
 import { PhoneLayer } from '../map/phone_layer';
 import { areaOf, zoneAt, zoneLayer } from '../map/zone_layer';
+import { useLayer } from '../map/use_layer';
 import { Empty, Fault, Loading } from '../parts/parts';
 import type { Zone } from '../wire/zone_shapes';
 import { useAnswer } from '../wire/use_answer';
@@ -24,12 +24,7 @@ export function Zones() {
   const here = useMemo(() => zones.filter((zone) => zone.floor === floor), [data, floor]);
   const zone = zones.find((one) => one.id === chosen) ?? null;
 
-  const layer = useMemo(() => (map ? new PhoneLayer(map, phones) : null), [map]);
-  useEffect(() => {
-    if (!layer) return;
-    const deaf = listenToInks(() => layer.show({}));
-    return () => { deaf(); layer.remove(); };
-  }, [layer]);
+  const layer = useLayer(map, (made) => new PhoneLayer(made, phones));
   useEffect(() => layer?.show({ floor, inner: false, outer: false, tracks: false }), [layer, floor]);
   useEffect(() => {
     if (!map) return;

@@ -37,6 +37,7 @@ export type Integrity = 'ok' | 'degraded' | 'suspect';
 
 export interface FusedPosition {
   valid_at_us: number;
+  building: number;
   place: Place;
   floors: { floor: number; probability: number }[];
   covariance: { xx_m2: number; xy_m2: number; yy_m2: number };
@@ -73,6 +74,7 @@ export interface Session {
   since_us: number;
   connected: boolean;
   applied_through: number;
+  zones?: string[];
 }
 
 export interface Key {
@@ -83,4 +85,5 @@ export interface Key {
   created_at_us: number;
   expires_at_us?: number;
   revoked: boolean;
+  coarse: boolean;                   // sees zones, never coordinates
 }
