@@ -19,7 +19,7 @@ void add_building_routes(Router& router, DatabaseDirectory& databases, ServerCon
 /// Reference points: upload, page through, export as CSV and GeoJSON; transmitters.
 void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerControl& server);
 /// Health, readiness, version, metrics, live sessions, pipelines and their parts.
-void add_operation_routes(Router& router, ServerControl& server, const ZoneControl& zones);
+void add_operation_routes(Router& router, const DatabaseDirectory& databases, ServerControl& server, const ZoneControl& zones);
 /// Why one session's newest position is where it is.
 void add_explanation_routes(Router& router, const SessionControl& sessions);
 /// Zones: list, make, replace, remove; who is in them; their events as server-sent events.
@@ -36,7 +36,9 @@ void add_data_routes(Router& router, DatabaseDirectory& databases, ServerControl
 /// API keys: make (shown once), list, revoke.
 void add_key_routes(Router& router, KeyRing& keys, const Clock& clock);
 /// Session tokens: what a phone holds instead of a key.
-void add_session_token_routes(Router& router, const KeyRing& keys);
+void add_session_token_routes(Router& router, const DatabaseDirectory& databases, const KeyRing& keys);
+/// The API's description, OpenAPI 3.1, as a document and as a page to read.
+void add_openapi_routes(Router& router);
 /// The console's page and what it loads.
 void add_console_routes(Router& router);
 
@@ -44,6 +46,8 @@ void add_console_routes(Router& router);
 Result<BuildingId> building_in(const PathValues& path);
 /// Wraps a handler that works on the building its path names.
 Handler on_building(std::function<void(BuildingId, const Request&, Respond)> handler);
+/// The same where the handler asks the store for nothing: a building that is not there is kUnknownBuilding all the same.
+Handler on_existing(const DatabaseDirectory& databases, std::function<void(BuildingId, const Request&, Respond)> handler);
 /// The number at `name` in a path; kNotFound where it is none.
 Result<std::uint64_t> id_in(const PathValues& path, const char* name);
 Response json_response(int status, std::string body);

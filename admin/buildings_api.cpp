@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "admin/api.hpp"
+#include "admin/conditional.hpp"
 #include "admin/json_forms.hpp"
 
 namespace wayfuse {
@@ -36,6 +37,12 @@ Result<void> known_pipeline(const BuildingRecord& building, const ServerControl&
   return Fault{FaultCode::kUnknownName, "pipeline", "'" + building.pipeline + "' is none of " + known};
 }
 
+// The ETag covers what an operator describes, not how the survey goes.
+std::string described(BuildingRecord building) {
+  building.survey_version = 0;
+  return to_json(building, 0, 0);
+}
+
 void answer_with_building(DatabaseDirectory& databases, const ServerControl& server, BuildingId id, int status, Respond respond) {
   databases.with_building(id, [&server, id, status, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
@@ -44,6 +51,7 @@ void answer_with_building(DatabaseDirectory& databases, const ServerControl& ser
     const auto points = (*database)->count_points();
     if (!points) return respond(problem(points.fault()));
     Response response = json_response(status, to_json(*record, *points, server.radio_map_version(id)));
+    response.headers["etag"] = etag_of(described(*record));
     if (status == 201) response.headers["location"] = "/v1/buildings/" + std::to_string(id.value);
     respond(std::move(response));
   });
@@ -75,13 +83,14 @@ void create_building(DatabaseDirectory& databases, ServerControl& server, const 
   });
 }
 
-// Changes a record by `change` and answers with the result.
-void update_building(DatabaseDirectory& databases, ServerControl& server, BuildingId id,
+// Changes a record by `change`, unless If-Match names another state, and answers with the result.
+void update_building(DatabaseDirectory& databases, ServerControl& server, BuildingId id, const Request& request,
                      std::function<void(BuildingRecord&)> change, Respond respond) {
-  databases.with_building(id, [&databases, &server, id, change, respond](Result<BuildingDatabase*> database) {
+  databases.with_building(id, [&databases, &server, id, request, change, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
     auto record = (*database)->building();
     if (!record) return respond(problem(record.fault()));
+    if (auto refused = changed_since(request, described(*record))) return respond(*std::move(refused));
     change(*record);
     if (const auto stored = (*database)->update(*record); !stored) return respond(problem(stored.fault()));
     server.building_changed(id);
@@ -93,7 +102,7 @@ void replace_building(DatabaseDirectory& databases, ServerControl& server, Build
   auto building = parse_building(request.body);
   if (!building) return respond(problem(building.fault()));
   if (const auto known = known_pipeline(*building, server); !known) return respond(problem(known.fault()));
-  update_building(databases, server, id,
+  update_building(databases, server, id, request,
                   [wanted = *building](BuildingRecord& record) {
                     record.name = wanted.name;
                     record.georeference = wanted.georeference;
@@ -135,6 +144,15 @@ Handler on_building(std::function<void(BuildingId, const Request&, Respond)> han
   };
 }
 
+Handler on_existing(const DatabaseDirectory& databases, std::function<void(BuildingId, const Request&, Respond)> handler) {
+  return on_building([&databases, handler = std::move(handler)](BuildingId id, const Request& request, Respond respond) {
+    if (std::ranges::count(databases.buildings(), id) == 0) {
+      return respond(problem({FaultCode::kUnknownBuilding, "building", "there is no such building for this key"}));
+    }
+    handler(id, request, std::move(respond));
+  });
+}
+
 Response json_response(int status, std::string body) {
   Response response;
   response.status = status;
@@ -162,7 +180,7 @@ void add_building_routes(Router& router, DatabaseDirectory& databases, ServerCon
               on_building([&](BuildingId id, const Request& request, Respond respond) {
                 auto floors = parse_floors(request.body);
                 if (!floors) return respond(problem(floors.fault()));
-                update_building(databases, server, id, [wanted = *floors](BuildingRecord& record) { record.floors = wanted; },
+                update_building(databases, server, id, request, [wanted = *floors](BuildingRecord& record) { record.floors = wanted; },
                                 std::move(respond));
               })});
 }

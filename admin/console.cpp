@@ -1,21 +1,13 @@
 #include <sodium.h>
 
 #include "admin/api.hpp"
+#include "admin/embedded_file.hpp"
 
-// The assembler copies a file's bytes into the program: any size, any bytes, nothing generated.
-#define WAYFUSE_EMBED(name, file)                                       \
-  asm(".section .rodata\n"                                              \
-      ".global " #name "\n.global " #name "_end\n"                      \
-      #name ":\n.incbin \"" WAYFUSE_CONSOLE_DIST "/" file "\"\n"        \
-      #name "_end:\n.byte 0\n"                                          \
-      ".previous\n");                                                   \
-  extern "C" const char name[], name##_end[]
-
-WAYFUSE_EMBED(wayfuse_console_html, "index.html");
-WAYFUSE_EMBED(wayfuse_console_css, "console.css");
-WAYFUSE_EMBED(wayfuse_console_js, "console.js");
-WAYFUSE_EMBED(wayfuse_console_font, "inter.woff2");
-WAYFUSE_EMBED(wayfuse_console_licences, "licences.txt");
+WAYFUSE_EMBED(wayfuse_console_html, WAYFUSE_CONSOLE_DIST "/index.html");
+WAYFUSE_EMBED(wayfuse_console_css, WAYFUSE_CONSOLE_DIST "/console.css");
+WAYFUSE_EMBED(wayfuse_console_js, WAYFUSE_CONSOLE_DIST "/console.js");
+WAYFUSE_EMBED(wayfuse_console_font, WAYFUSE_CONSOLE_DIST "/inter.woff2");
+WAYFUSE_EMBED(wayfuse_console_licences, WAYFUSE_CONSOLE_DIST "/licences.txt");
 
 namespace wayfuse {
 namespace {

@@ -30,7 +30,7 @@ void add_probe_routes(Router& router, ServerControl& server) {
 
 }  // namespace
 
-void add_operation_routes(Router& router, ServerControl& server, const ZoneControl& zones) {
+void add_operation_routes(Router& router, const DatabaseDirectory& databases, ServerControl& server, const ZoneControl& zones) {
   add_probe_routes(router, server);
   router.add({"GET", "/v1/sessions", Scope::kAdmin, "Live sessions of all buildings",
               [&](const Request&, const PathValues&, Respond respond) {
@@ -38,11 +38,9 @@ void add_operation_routes(Router& router, ServerControl& server, const ZoneContr
               },
               true});
   router.add({"GET", "/v1/buildings/{building}/sessions", Scope::kObserve, "Live sessions in one building and the zones they are in",
-              [&](const Request& request, const PathValues& path, Respond respond) {
-                const auto id = building_in(path);
-                if (!id) return respond(problem(id.fault()));
-                respond(json_response(200, to_json(server.sessions(*id), zones.zones_by_phone(*id), request.coarse)));
-              },
+              on_existing(databases, [&](BuildingId id, const Request& request, Respond respond) {
+                respond(json_response(200, to_json(server.sessions(id), zones.zones_by_phone(id), request.coarse)));
+              }),
               true, true});
   router.add({"GET", "/v1/parts", Scope::kObserve, "Every pipeline part with its settings, units and defaults",
               [&](const Request&, const PathValues&, Respond respond) { respond(json_response(200, to_json(server.parts()))); },
@@ -55,7 +53,7 @@ void add_operation_routes(Router& router, ServerControl& server, const ZoneContr
   router.add({"GET", "/v1/pipelines/{pipeline}", Scope::kObserve, "One preset: its parts and settings",
               [&](const Request&, const PathValues& path, Respond respond) {
                 auto preset = server.preset_json(path.at("pipeline"));
-                respond(preset ? json_response(200, std::move(*preset)) : problem(preset.fault()));
+                respond(preset ? json_response(200, std::move(*preset)) : problem(preset.fault(), 404));
               },
               false, true});
 }

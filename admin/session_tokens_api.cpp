@@ -41,13 +41,13 @@ void make_token(const KeyRing& keys, BuildingId building, const Request& request
 
 }  // namespace
 
-void add_session_token_routes(Router& router, const KeyRing& keys) {
+void add_session_token_routes(Router& router, const DatabaseDirectory& databases, const KeyRing& keys) {
   router.add({"POST", "/v1/session-tokens", Scope::kTrack, "Make a token for one phone's sessions in any building: tracking only, 15 minutes",
               [&](const Request& request, const PathValues&, Respond respond) { make_token(keys, {}, request, std::move(respond)); }});
   router.add({"POST", "/v1/buildings/{building}/session-tokens", Scope::kTrack, "Make one for this building alone",
-              [&](const Request& request, const PathValues& path, Respond respond) {
-                make_token(keys, *building_in(path), request, std::move(respond));   // the router refused what is no number
-              }});
+              on_existing(databases, [&](BuildingId id, const Request& request, Respond respond) {
+                make_token(keys, id, request, std::move(respond));
+              })});
 }
 
 }  // namespace wayfuse

@@ -99,9 +99,12 @@ void replace_webhook(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id
   });
 }
 
-void remove_webhook(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id, const Request&, Respond respond) {
-  rooms.databases.with_building(id, [rooms, id, webhook_id, respond](Result<BuildingDatabase*> database) {
+void remove_webhook(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id, const Request& request, Respond respond) {
+  rooms.databases.with_building(id, [rooms, id, webhook_id, request, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
+    const auto webhook = webhook_in(**database, webhook_id);
+    if (!webhook) return respond(problem(webhook.fault()));
+    if (auto refused = changed_since(request, to_json(*webhook, {}, false))) return respond(*std::move(refused));
     const auto removed = (*database)->remove_webhook(webhook_id);
     if (!removed) return respond(problem(removed.fault()));
     rooms.webhooks.webhooks_changed(id);

@@ -120,14 +120,14 @@ Handler on_zone(ZoneRooms rooms, OnZone handler) {
   };
 }
 
-void follow_events(ZoneControl& zones, const Access& access, const Clock& clock, BuildingId id, const Request& request, Respond respond) {
-  auto begin = event_stream_begin(request, zones);
+void follow_events(ZoneRooms rooms, const Access& access, const Clock& clock, BuildingId id, const Request& request, Respond respond) {
+  auto begin = event_stream_begin(request, rooms.zones);
   if (!begin) return respond(problem(begin.fault()));
   Response response;
   response.content_type = "text/event-stream";
   response.headers["cache-control"] = "no-store";
   response.headers["x-accel-buffering"] = "no";  // proxies that gather would hold events back
-  response.stream = event_stream(zones, id, *begin, clock, [&access, authorization = request.headers.at("authorization")] {
+  response.stream = event_stream(rooms.zones, id, *begin, clock, [&access, authorization = request.headers.at("authorization")] {
     const auto space = authorization.find(' ');
     return access.principal_of(space == std::string::npos ? "" : std::string_view(authorization).substr(space + 1)).has_value();
   });
@@ -153,8 +153,8 @@ void add_zone_routes(Router& router, DatabaseDirectory& databases, ZoneControl& 
   router.add({"GET", "/v1/buildings/{building}/zones/{zone}/occupants", Scope::kObserve, "Phones in a zone now",
               on_zone(rooms, show_occupants), true, true});
   router.add({"GET", "/v1/buildings/{building}/events", Scope::kObserve, "Zone events as they happen: server-sent events",
-              on_building([&zones, &access, &clock](BuildingId id, const Request& request, Respond respond) {
-                follow_events(zones, access, clock, id, request, std::move(respond));
+              on_existing(databases, [rooms, &access, &clock](BuildingId id, const Request& request, Respond respond) {
+                follow_events(rooms, access, clock, id, request, std::move(respond));
               }),
               true, true});
 }

@@ -123,7 +123,7 @@ Result<void> App::open() {
   router_ = std::make_unique<Router>(*keys_, audit_.get(), &ledger_);
   add_building_routes(*router_, *store_, *this);
   add_survey_routes(*router_, *store_, *this);
-  add_operation_routes(*router_, *this, zones_);
+  add_operation_routes(*router_, *store_, *this, zones_);
   add_explanation_routes(*router_, *this);
   add_zone_routes(*router_, *store_, zones_, *keys_, clock_);
   add_plan_routes(*router_, *store_, *this, zones_, [this](std::function<void()> task) { workers_.run(std::move(task)); });
@@ -132,7 +132,8 @@ Result<void> App::open() {
   add_map_routes(*router_, *store_, maps_);
   add_radio_routes(*router_, maps_);
   add_key_routes(*router_, *keys_, clock_);
-  add_session_token_routes(*router_, *keys_);
+  add_session_token_routes(*router_, *store_, *keys_);
+  add_openapi_routes(*router_);
   add_console_routes(*router_);
   net_world_ = std::make_unique<NetWorld>(session_world_, *router_, *keys_, clock_, net_counters_, config_.net,
                                           [this](std::string_view what) { log_.error("accident", {{"what", std::string(what)}}); });

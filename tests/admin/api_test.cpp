@@ -160,7 +160,7 @@ TEST(OperationsApi, AnswersProbesWithoutAKeyAndTheRestWithOne) {
   EXPECT_EQ(api.ask("GET", "/v1/parts", api.admin).json()["parts"][0]["settings"][0]["default"], 4);
   EXPECT_EQ(api.ask("GET", "/v1/pipelines", api.admin).json()["pipelines"][1], "p1");
   EXPECT_EQ(api.ask("GET", "/v1/pipelines/p1", api.admin).status, 200);
-  EXPECT_EQ(api.ask("GET", "/v1/pipelines/p9", api.admin).status, 422);
+  EXPECT_EQ(api.ask("GET", "/v1/pipelines/p9", api.admin).status, 404);
 }
 
 TEST(ExplanationApi, HoldsEveryReadingAgainstTheSurveyAndSaysWhatItDoubts) {

@@ -15,6 +15,7 @@
 #include "server/webhooks/webhook_sender.hpp"
 #include "server/zones/zone_watch.hpp"
 #include "tests/admin/fake_maps.hpp"
+#include "tests/admin/schema_check.hpp"
 
 namespace wayfuse {
 
@@ -100,7 +101,7 @@ class RunningApi {
     zones = std::make_unique<ZoneWatch>(*store, clock, 1000, ZoneRules{});
     add_building_routes(*router, *store, server);
     add_survey_routes(*router, *store, server);
-    add_operation_routes(*router, server, *zones);
+    add_operation_routes(*router, *store, server, *zones);
     add_explanation_routes(*router, sessions);
     add_zone_routes(*router, *store, *zones, *keys, clock);
     webhooks = std::make_unique<WebhookSender>(*store, *zones, clock, WebhookSettings{}, 1);
@@ -110,7 +111,8 @@ class RunningApi {
     add_map_routes(*router, *store, maps);
     add_radio_routes(*router, maps);
     add_key_routes(*router, *keys, clock);
-    add_session_token_routes(*router, *keys);
+    add_session_token_routes(*router, *store, *keys);
+    add_openapi_routes(*router);
     add_console_routes(*router);
     admin = issue({Scope::kAdmin, Scope::kSurvey, Scope::kTrack, Scope::kObserve}, {});
   }
@@ -142,7 +144,10 @@ class RunningApi {
     std::optional<Response> response;
     router->handle(request, [&](Response answer) { response = std::move(answer); });
     if (!response) throw std::logic_error(method + " " + path + " was not answered");
-    return {response->status, response->body, response->headers, response->content_type, response->stream};
+    Answer answer{response->status, response->body, response->headers, response->content_type, response->stream};
+    // Every answer that any test provokes is one that the description knows, body and all.
+    EXPECT_EQ(description().misfit(method, path, {answer.status, answer.content_type, answer.body, answer.headers}), "") << method << " " << path;
+    return answer;
   }
 
   std::filesystem::path folder;
@@ -160,6 +165,19 @@ class RunningApi {
   std::string admin;
 
  private:
+  // What the server itself hands out.
+  const ApiDescription& description() {
+    static const ApiDescription described = [this] {
+      std::string document;
+      Request request;
+      request.method = "GET";
+      request.path = "/v1/openapi.json";
+      router->handle(request, [&](Response response) { document = std::move(response.body); });
+      return ApiDescription(nlohmann::json::parse(document));
+    }();
+    return described;
+  }
+
   static int& counter() {
     static int count = 0;
     return count;

@@ -69,6 +69,8 @@ TEST(SessionTokens, NameWhatIsWrongWithARequest) {
   }
   EXPECT_EQ(api.ask("POST", "/v1/session-tokens", api.admin, "{").status, 400);
   const std::string one = api.issue({Scope::kTrack}, {1});
+  EXPECT_EQ(api.ask("POST", "/v1/buildings/1/session-tokens", one).status, 404) << "there is none yet";
+  ASSERT_EQ(api.ask("POST", "/v1/buildings", api.admin, R"({"name":"One"})").status, 201);
   EXPECT_EQ(api.ask("POST", "/v1/buildings/2/session-tokens", one).status, 404);
   EXPECT_EQ(api.ask("POST", "/v1/buildings/1/session-tokens", one).status, 201);
 }
