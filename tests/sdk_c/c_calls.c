@@ -77,12 +77,12 @@ const char *c_options_are_checked(void) {
   REQUIRE(wayfuse_phone_create(&options, &phone) == WAYFUSE_BAD_OPTIONS); /* no address */
   REQUIRE(says(wayfuse_last_error(), "url"));
   options.url = text("ws://127.0.0.1:9/");
-  options.role = (wayfuse_role)7;
+  options.role = 7;
   REQUIRE(wayfuse_phone_create(&options, &phone) == WAYFUSE_BAD_OPTIONS);
   options.role = WAYFUSE_SURVEY;
   REQUIRE(wayfuse_phone_create(&options, &phone) == WAYFUSE_BAD_OPTIONS); /* no building */
   options.role = WAYFUSE_TRACK;
-  options.platform = (wayfuse_platform)-1;
+  options.platform = -1;
   REQUIRE(wayfuse_phone_create(&options, &phone) == WAYFUSE_BAD_OPTIONS);
   options.platform = WAYFUSE_PLATFORM_IOS;
   options.heading_estimator = text("none such");

@@ -132,8 +132,8 @@ typedef struct wayfuse_options {
   wayfuse_text pin;               /* base64(SHA-256(SubjectPublicKeyInfo)); empty = none */
   wayfuse_text heading_estimator; /* empty = the best there is */
   uint64_t building;              /* 0 = found from the access points (track only) */
-  wayfuse_role role;
-  wayfuse_platform platform;
+  int32_t role;                   /* a wayfuse_role; a number, so that any value may be read and refused */
+  int32_t platform;               /* a wayfuse_platform */
   int32_t allow_plain;
   int32_t reserved;
   uint64_t seed;                  /* of jitter and keys; 0 = from the system */
