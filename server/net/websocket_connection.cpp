@@ -115,9 +115,11 @@ class WebsocketConnection final : public SessionOutput,
     if (!frames_.has(world_.clock.now())) {  // TCP holds the client back; nothing is dropped
       if (!paused_) world_.counters.read_pauses++;
       paused_ = true;
+      held_ = this->shared_from_this();
       return;
     }
     paused_ = false;
+    const auto held = std::move(held_);
     reading_ = true;
     ws_.async_read(buffer_,
                    [self = this->shared_from_this()](error_code error, std::size_t bytes) { self->was_read(error, bytes); });
@@ -227,6 +229,7 @@ class WebsocketConnection final : public SessionOutput,
     outbox_.clear();
     account();
     conversation_->disconnected();
+    const auto held = std::move(held_);
   }
 
   // ---- deadlines
@@ -277,6 +280,7 @@ class WebsocketConnection final : public SessionOutput,
   std::uint64_t counted_bytes_ = 0;
   bool reading_ = false;
   bool paused_ = false;
+  std::shared_ptr<WebsocketConnection> held_;  // itself, while paused: no pending read keeps it alive then
   bool writing_ = false;
   bool pinging_ = false;
   bool closing_ = false;
