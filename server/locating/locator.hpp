@@ -71,6 +71,8 @@ class Locator {
 
   /// Where the tracker believes the newest scan was heard: lets a locator learn online ([P3 algorithm 2]).
   virtual void learn(const RssScan& /*scan*/, const Place& /*fused*/) {}
+  /// What `older`, of the same kind and of another map of the building, learnt about the phone goes on here.
+  virtual void inherit(const Locator& /*older*/) {}
 };
 
 }  // namespace wayfuse

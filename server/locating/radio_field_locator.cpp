@@ -110,6 +110,13 @@ void RadioFieldLocator::learn(const RssScan& /*scan*/, const Place& fused) {
   offset_variance_db2_ *= 1.0 - gain;
 }
 
+void RadioFieldLocator::inherit(const Locator& older) {
+  const auto* other = dynamic_cast<const RadioFieldLocator*>(&older);
+  if (!other) return;
+  offset_db_ = other->offset_db_;
+  offset_variance_db2_ = other->offset_variance_db2_;
+}
+
 std::optional<Fix> RadioFieldLocator::locate(const RssScan& scan) {
   if (!listen(scan)) return std::nullopt;
   if (!scratch_) scratch_ = field_->borrow();

@@ -33,6 +33,7 @@ class RadioFieldLocator final : public Locator {
   std::optional<double> misfit(FloorOrdinal floor, BuildingPoint point) const override;
   void rest() override;
   void learn(const RssScan& scan, const Place& fused) override;
+  void inherit(const Locator& older) override;
 
  private:
   static constexpr double kOffsetSigma_db = 4.0;   // between phone models

@@ -129,4 +129,15 @@ void TrilaterationLocator::learn(const RssScan& scan, const Place& fused) {
   }
 }
 
+// An exponent that was learnt stays with its transmitter; one that is still the survey's follows the newer survey.
+void TrilaterationLocator::inherit(const Locator& older) {
+  const auto* other = dynamic_cast<const TrilaterationLocator*>(&older);
+  if (!other) return;
+  for (std::size_t i = 0; i < exponents_.size(); ++i) {
+    const auto index = other->model_.map().index_of(model_.map().transmitters()[i]);
+    if (!index || !model_.laws()[i] || !other->model_.laws()[*index]) continue;
+    if (other->exponents_[*index] != other->model_.laws()[*index]->exponent) exponents_[i] = other->exponents_[*index];
+  }
+}
+
 }  // namespace wayfuse

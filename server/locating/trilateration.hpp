@@ -56,6 +56,7 @@ class TrilaterationLocator final : public Locator {
   int transmitters_unknown() const override { return scan_.unknown; }
   std::span<const TransmitterRange> ranges() const override { return ranges_; }
   void learn(const RssScan& scan, const Place& fused) override;
+  void inherit(const Locator& older) override;
 
   std::span<const double> exponents() const { return exponents_; }
 

@@ -23,6 +23,7 @@ class Assembly {
  public:
   explicit Assembly(const PipelineSpec& spec) : spec_(spec), catalogue_(part_catalogue()) {}
 
+  const PipelineSpec& spec() const { return spec_; }
   /// Only after check(): every role and part exists.
   Chosen chosen(std::string_view role) const {
     PartChoice choice;
@@ -193,6 +194,7 @@ void choose_rules(const Assembly& spec, PipelineParts& parts) {
 
 std::shared_ptr<PipelineParts> prepare(const Assembly& spec, std::shared_ptr<const Site> site) {
   auto parts = std::make_shared<PipelineParts>();
+  parts->spec = spec.spec();
   parts->origin = frame_origin(*site);
   const Framed framed(*site, parts->origin);
   parts->map = RadioMap::build(framed.survey);
@@ -211,17 +213,21 @@ std::shared_ptr<PipelineParts> prepare(const Assembly& spec, std::shared_ptr<con
 
 class Pipeline final : public TrackerFactory {
  public:
-  Pipeline(PipelineSpec spec, std::shared_ptr<const PipelineParts> parts, std::vector<std::string> remarks, std::string learnt)
-      : spec_(std::move(spec)), parts_(std::move(parts)), remarks_(std::move(remarks)), learnt_(std::move(learnt)) {}
+  Pipeline(std::shared_ptr<const PipelineParts> parts, std::vector<std::string> remarks, std::string learnt)
+      : parts_(std::move(parts)), remarks_(std::move(remarks)), learnt_(std::move(learnt)) {}
   std::unique_ptr<Tracker> make_tracker(Random random, const std::optional<KnownStart>& start) const override {
     return std::make_unique<FusionTracker>(parts_, random, start);
   }
-  const PipelineSpec& spec() const override { return spec_; }
+  std::unique_ptr<Tracker> take_over(const Tracker& older) const override {
+    const auto* tracker = dynamic_cast<const FusionTracker*>(&older.core());
+    if (!tracker || tracker->parts().spec != parts_->spec || !same_axes(*tracker->parts().site, *parts_->site)) return nullptr;
+    return std::make_unique<FusionTracker>(parts_, *tracker);
+  }
+  const PipelineSpec& spec() const override { return parts_->spec; }
   std::vector<std::string> remarks() const override { return remarks_; }
   std::string learnt() const override { return learnt_; }
 
  private:
-  PipelineSpec spec_;
   std::shared_ptr<const PipelineParts> parts_;
   std::vector<std::string> remarks_;
   std::string learnt_;
@@ -283,7 +289,7 @@ Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec,
   std::vector<std::string> remarks;
   auto learnt = add_corrector(assembly, *parts, remarks);
   if (!learnt) return learnt.fault();
-  return std::shared_ptr<const TrackerFactory>(std::make_shared<Pipeline>(spec, parts, std::move(remarks), *std::move(learnt)));
+  return std::shared_ptr<const TrackerFactory>(std::make_shared<Pipeline>(std::move(parts), std::move(remarks), *std::move(learnt)));
 }
 
 }  // namespace wayfuse

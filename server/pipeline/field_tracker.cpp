@@ -59,6 +59,11 @@ class FieldPipeline final : public TrackerFactory {
   std::unique_ptr<Tracker> make_tracker(Random random, const std::optional<KnownStart>& start) const override {
     return std::make_unique<FieldTracker>(parts_, random, start);
   }
+  std::unique_ptr<Tracker> take_over(const Tracker& older) const override {
+    const auto* tracker = dynamic_cast<const FieldTracker*>(&older.core());
+    if (!tracker || tracker->parts().settings != parts_->settings || !same_axes(*tracker->parts().site, *parts_->site)) return nullptr;
+    return std::make_unique<FieldTracker>(parts_, *tracker);
+  }
   const PipelineSpec& spec() const override { return spec_; }
 
  private:
@@ -112,6 +117,16 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       implausible_(other.implausible_),
       watch_(other.watch_),
       from_(other.from_) {}
+
+FieldTracker::FieldTracker(std::shared_ptr<const FieldTrackerParts> parts, const FieldTracker& older) : FieldTracker(older) {
+  parts_ = std::move(parts);
+  locator_ = parts_->locator->make();
+  locator_->inherit(*older.locator_);
+  const BuildingPoint moved = minus(older.parts_->origin, parts_->origin);
+  if (moved != BuildingPoint{}) cloud_.shift(moved.x_m, moved.y_m);
+  if (floor_) cloud_.enter(outdoors_ ? nullptr : parts_->walkable.plan(*floor_));
+  watch_.begin_anew_with_the_survey();
+}
 
 CompassPrior FieldTracker::compass() const {
   if (start_heading_ && reference_) return {wrap_angle_rad(start_heading_->radians() - heading_rad_), false};
@@ -249,6 +264,8 @@ bool FieldTracker::believe_floors() {
   const auto votes = locator_->floors();
   const bool climbing = std::abs(climbed_m_) > kClimbed_m;
   const double kept = climbing ? std::min(kFloorMemoryClimbing, parts_->settings.floor_memory) : parts_->settings.floor_memory;
+  // A floor the map does not have (any more) has no say.
+  std::erase_if(floors_, [&](const FloorProbability& belief) { return std::ranges::find(votes, belief.floor, &FloorProbability::floor) == votes.end(); });
   if (floors_.empty()) {
     floors_.assign(votes.begin(), votes.end());
   } else {

@@ -31,6 +31,8 @@ class FieldTracker final : public Tracker {
  public:
   FieldTracker(std::shared_ptr<const FieldTrackerParts> parts, Random random, const std::optional<KnownStart>& start);
   FieldTracker(const FieldTracker& other);
+  /// Goes on where `older` stands, over another map of the same building.
+  FieldTracker(std::shared_ptr<const FieldTrackerParts> parts, const FieldTracker& older);
 
   void feed(const MotionReport& motion) override;
   void feed(const RssScan& scan) override;
@@ -40,6 +42,7 @@ class FieldTracker final : public Tracker {
   std::vector<WeightedPlace> cloud(std::size_t most) const override;
   std::vector<std::string> doubts(PhoneTime at) const override;
   std::unique_ptr<Tracker> clone() const override { return std::make_unique<FieldTracker>(*this); }
+  const FieldTrackerParts& parts() const { return *parts_; }
 
  private:
   double in_frame_rad(const MotionReport& motion) const;

@@ -85,6 +85,19 @@ FusionTracker::FusionTracker(const FusionTracker& other)
       correction_(other.correction_),
       from_(other.from_) {}
 
+FusionTracker::FusionTracker(std::shared_ptr<const PipelineParts> parts, const FusionTracker& older) : FusionTracker(older) {
+  parts_ = std::move(parts);
+  if (locator_) {
+    locator_ = parts_->locator->make();
+    locator_->inherit(*older.locator_);
+  }
+  if (!parts_->corrector) correction_ = {};
+  const BuildingPoint moved = minus(older.parts_->origin, parts_->origin);
+  if (moved == BuildingPoint{}) return;
+  filter_->shift(moved.x_m, moved.y_m);
+  if (anchor_) anchor_->track = plus(anchor_->track, moved);
+}
+
 double FusionTracker::in_frame_rad(const MotionReport& motion) const {
   Heading heading = motion.heading;
   if (motion.reference == HeadingReference::kArbitrary) return heading.radians();

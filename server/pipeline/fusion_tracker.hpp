@@ -36,6 +36,7 @@ struct VelocityUse {
 
 /// A spec's parts, prepared for one building. Immutable, shared by all its sessions.
 struct PipelineParts {
+  PipelineSpec spec;
   std::shared_ptr<const Site> site;
   BuildingPoint origin;                          ///< of the pipeline's frame, in the building's
   std::shared_ptr<const RadioMap> map;
@@ -67,6 +68,8 @@ class FusionTracker final : public Tracker {
  public:
   FusionTracker(std::shared_ptr<const PipelineParts> parts, Random random, const std::optional<KnownStart>& start);
   FusionTracker(const FusionTracker& other);
+  /// Goes on where `older`, of the same spec, stands, over another map of the same building.
+  FusionTracker(std::shared_ptr<const PipelineParts> parts, const FusionTracker& older);
   std::unique_ptr<Tracker> clone() const override { return std::make_unique<FusionTracker>(*this); }
 
   void feed(const MotionReport& motion) override;
@@ -80,6 +83,7 @@ class FusionTracker final : public Tracker {
 
   /// Of the newest applied fix, for training; absent when it moved nothing.
   std::optional<BackPropagation::Inputs> newest_correction_inputs() const { return correction_inputs_; }
+  const PipelineParts& parts() const { return *parts_; }
   /// The session's locator, for reports.
   const Locator* locator() const { return locator_.get(); }
 

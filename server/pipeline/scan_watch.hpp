@@ -38,6 +38,9 @@ class ScanWatch {
   /// Scans that point here and there are bad scans; those that agree with each other tell of a place.
   void compare(double misfit, Place elsewhere, PhoneTime at);
 
+  /// The survey is another one: what agreed with the older says nothing of what may contradict this one.
+  void begin_anew_with_the_survey() { agreed_ = jumps_ = 0; }
+
   bool suspect(PhoneTime at) const { return since_s(at) <= settings_.hold_s; }
   /// The newest scan repeats an older one as if heard anew.
   bool copied() const { return copies_ > 0; }

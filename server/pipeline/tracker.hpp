@@ -42,6 +42,9 @@ class TrackerFactory {
   virtual ~TrackerFactory() = default;
   /// Replay is exact: the same generator and the same evidence give the same bits, on every machine.
   virtual std::unique_ptr<class Tracker> make_tracker(Random random, const std::optional<KnownStart>& start = {}) const = 0;
+  /// A tracker of this factory's map that goes on where `older`, of the same spec and of another map of the building, stands. The track
+  /// and what was learnt about phone and walker stay; what follows from the map is exchanged. Null: they have too little in common.
+  virtual std::unique_ptr<class Tracker> take_over(const class Tracker& /*older*/) const { return nullptr; }
   virtual const PipelineSpec& spec() const = 0;
   /// What an operator should know: a part that could not be prepared and is left out, and why.
   virtual std::vector<std::string> remarks() const { return {}; }
@@ -78,7 +81,15 @@ class Tracker {
   virtual std::vector<std::string> doubts(PhoneTime /*at*/) const { return {}; }
   /// An exact copy, generator included: a session rewinds to it when evidence arrives out of order.
   virtual std::unique_ptr<Tracker> clone() const = 0;
+  /// The tracker itself, where another one only stands in front of it.
+  virtual const Tracker& core() const { return *this; }
 };
+
+/// Goes on with `newer` from where `older` stands at `at`: in place of it where that can be (TrackerFactory::take_over); otherwise,
+/// as between pipelines of different kinds, it begins with `random` at the position that `older` last gave, if there is one.
+std::unique_ptr<Tracker> go_on(const TrackerFactory& newer, const Tracker& older, PhoneTime at, Random random);
+/// Whether headings and coordinates mean the same in both.
+bool same_axes(const Site& a, const Site& b);
 
 /// Builds the parts a spec names over a site. The only function that sees all parts.
 Result<std::shared_ptr<const TrackerFactory>> assemble(const PipelineSpec& spec, std::shared_ptr<const Site> site);

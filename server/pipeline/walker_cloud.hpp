@@ -26,6 +26,7 @@ struct WalkerSettings {
   double step_sigma_rtm = 0.35;    ///< m per root metre walked, per axis
   bool walkable = true;            ///< particles outside the walkable area fade away
   double floor_memory = 0.999;     ///< share of the floor belief a scan keeps; the rest is spread over all floors
+  bool operator==(const WalkerSettings&) const = default;
 };
 WalkerSettings walker_settings(const PartSettings& settings);
 /// The row of the catalogue: filter `walkers`.
@@ -55,6 +56,8 @@ class WalkerCloud {
   void start_about(BuildingPoint point, double sigma_m, const CompassPrior& compass, Random& random);
   /// From the locator's newest scan, carried on by what was walked since it was heard. Stays unstarted when it cannot say.
   void start_from(Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
+  /// The frame's origin moved: everybody stays where he was in the building.
+  void shift(double dx_m, double dy_m) { cloud_.shift(dx_m, dy_m); }
   /// New compass errors for everybody: the phone's heading changed its origin.
   void turn_about(const CompassPrior& compass, Random& random);
   /// One interval: displacement by the phone, its sigma per axis, the time spent on foot.

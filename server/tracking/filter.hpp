@@ -23,6 +23,8 @@ class Filter {
   virtual void predict(const Motion& motion, Random& random) = 0;
   /// False when the evidence was impossible under every hypothesis: then it is not applied.
   virtual bool update(const MeasurementModel& measurement, Random& random) = 0;
+  /// The frame's origin moved: the belief stays where it was in the building.
+  virtual void shift(double dx_m, double dy_m) = 0;
   /// Mean and covariance of the present belief.
   virtual GaussianState estimate() const = 0;
   /// Radius about the mean that holds `share` (0..1) of the belief.

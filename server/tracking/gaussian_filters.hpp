@@ -12,6 +12,7 @@ class GaussianFilter : public Filter {
   explicit GaussianFilter(std::shared_ptr<const MotionModel> motion) : motion_(std::move(motion)) {}
   void start(const GaussianState& about, Random& random) override;
   bool started() const override { return started_; }
+  void shift(double dx_m, double dy_m) override { belief_.mean.x_m += dx_m, belief_.mean.y_m += dy_m; }
   GaussianState estimate() const override { return belief_; }
   double radius_m(double share) const override;
 

@@ -27,6 +27,11 @@ void ParticleCloud::level() {
   effective_size_ = static_cast<double>(size_);
 }
 
+void ParticleCloud::shift(double dx_m, double dy_m) {
+  for (float& x : x_m()) x = static_cast<float>(static_cast<double>(x) + dx_m);
+  for (float& y : y_m()) y = static_cast<float>(static_cast<double>(y) + dy_m);
+}
+
 bool ParticleCloud::normalise() {
   float* const log_weights = column_[kLogWeight].data();
   const float most = kernels::clean_and_max(log_weights, padded_size());

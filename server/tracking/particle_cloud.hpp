@@ -45,6 +45,8 @@ class ParticleCloud {
   std::span<const float> stride_scale() const { return (*this)[kStrideScale]; }
   std::span<const float> log_weight() const { return (*this)[kLogWeight]; }
 
+  /// Moves every particle by so much.
+  void shift(double dx_m, double dy_m);
   /// Shifts the log weights so that the weights sum to 1. False, and equal weights, when no particle has a finite weight.
   bool normalise();
   /// 1 / sum of squared weights, as of the newest normalise(): 1..N.

@@ -20,6 +20,7 @@ class ParticleFilter final : public Filter {
   std::unique_ptr<Filter> clone() const override { return std::make_unique<ParticleFilter>(*this); }
   void start(const GaussianState& about, Random& random) override;
   bool started() const override { return started_; }
+  void shift(double dx_m, double dy_m) override { cloud_.shift(dx_m, dy_m); }
   void predict(const Motion& motion, Random& random) override;
   bool update(const MeasurementModel& measurement, Random& random) override;
   GaussianState estimate() const override;
