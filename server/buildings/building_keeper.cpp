@@ -135,16 +135,22 @@ void BuildingKeeper::build(BuildingId id, Round round) {
     if (!live) return done(id, live.fault());
     if (!round.candidate) {
       keep(**live, stored);
+      prepare(**live);
       shelf_.put(*std::move(live));
       return done(id, std::nullopt);
     }
     auto candidate = Building::make(round.record, std::move(*round.candidate), settings_.gate);
     if (!candidate) return done(id, candidate.fault());
     MapJudgement judgement = settings_.judge(**candidate, live->get(), round.walks);
+    prepare(judgement.publish ? **candidate : **live);
     conclude(id, *std::move(candidate), *std::move(live), std::move(round), std::move(judgement));
   } catch (const std::exception& broken) {  // out of memory over one huge survey must not end the server
     done(id, Fault{FaultCode::kInternal, "building", broken.what()});
   }
+}
+
+void BuildingKeeper::prepare(const Building& building) const {
+  if (const auto older = shelf_.find(building.record().id)) building.prepare_as(*older);
 }
 
 // Trained once a map version: the next start finds it. A disk that does not take it only costs the training again.

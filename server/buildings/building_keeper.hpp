@@ -80,6 +80,7 @@ class BuildingKeeper {
                 MapJudgement judgement);
   void made_a_version(BuildingId id);
   void keep(const Building& building, const std::string& stored);
+  void prepare(const Building& building) const;
   void done(BuildingId id, std::optional<Fault> fault);
   UnixTime wall_now() const { return settings_.wall_now ? settings_.wall_now() : UnixTime{}; }
 

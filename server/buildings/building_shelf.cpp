@@ -132,6 +132,24 @@ Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::stri
   return pipelines_.try_emplace(wanted, deaf_to(distrusted_, *factory)).first->second;
 }
 
+std::vector<std::string> Building::prepared() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> names;
+  for (const auto& [name, _] : pipelines_) names.push_back(name);
+  return names;
+}
+
+void Building::prepare_as(const Building& older) const {
+  std::vector<std::string> used;
+  {
+    const std::lock_guard lock(older.mutex_);
+    for (const auto& [name, factory] : older.pipelines_) {
+      if (factory.use_count() > 1) used.push_back(name);
+    }
+  }
+  for (const std::string& name : used) static_cast<void>(pipeline(name));  // a fault comes again when somebody asks
+}
+
 std::shared_ptr<const Building> BuildingShelf::find(BuildingId id) const {
   const std::lock_guard lock(mutex_);
   const auto found = shelf_.find(id);

@@ -41,6 +41,10 @@ class Building {
   std::shared_ptr<const SurveyLevels> levels() const;
   /// Empty name = the building's own pipeline. Thread: any.
   Result<std::shared_ptr<const TrackerFactory>> pipeline(const std::string& name) const;
+  /// Names of the pipelines made so far, ascending.
+  std::vector<std::string> prepared() const;
+  /// Makes ready what sessions track with over `older`, so that none of them waits for it when it moves here.
+  void prepare_as(const Building& older) const;
   /// Of the building's own pipeline: what it could not prepare, and what it learnt from the survey (to be kept; empty = nothing).
   std::vector<std::string> remarks() const;
   std::string learnt() const;

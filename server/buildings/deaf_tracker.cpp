@@ -22,6 +22,12 @@ class DeafTracker final : public Tracker {
   }
   std::optional<FusedPosition> position(PhoneTime at) const override { return tracker_->position(at); }
   Fault why_no_fix() const override { return tracker_->why_no_fix(); }
+  std::vector<WeightedPlace> cloud(std::size_t most) const override { return tracker_->cloud(most); }
+  std::vector<std::string> doubts(PhoneTime at) const override { return tracker_->doubts(at); }
+  std::string left_out(const ScanReading& reading) const override {
+    return std::ranges::binary_search(*distrusted_, reading.bssid) ? "the access point is distrusted" : tracker_->left_out(reading);
+  }
+  const Tracker& core() const override { return tracker_->core(); }
   std::unique_ptr<Tracker> clone() const override { return std::make_unique<DeafTracker>(distrusted_, tracker_->clone()); }
 
  private:
@@ -36,6 +42,10 @@ class DeafFactory final : public TrackerFactory {
 
   std::unique_ptr<Tracker> make_tracker(Random random, const std::optional<KnownStart>& start) const override {
     return std::make_unique<DeafTracker>(distrusted_, pipeline_->make_tracker(random, start));
+  }
+  std::unique_ptr<Tracker> take_over(const Tracker& older) const override {
+    auto taken = pipeline_->take_over(older.core());
+    return taken ? std::make_unique<DeafTracker>(distrusted_, std::move(taken)) : nullptr;
   }
   const PipelineSpec& spec() const override { return pipeline_->spec(); }
   std::vector<std::string> remarks() const override { return pipeline_->remarks(); }

@@ -3,14 +3,6 @@
 #include <algorithm>
 
 namespace wayfuse {
-namespace {
-
-std::size_t readings_in(const SampleBody& body) {
-  const auto* scan = std::get_if<RssScan>(&body);
-  return 1 + (scan ? scan->readings.size() : 0);
-}
-
-}  // namespace
 
 PhoneTime time_of(const SampleBody& body) {
   return std::visit([](const auto& evidence) { return evidence.time; }, body);
@@ -25,18 +17,38 @@ bool Timeline::take(const Sample& sample) {
   if ((newest_ && *newest_ - key.time > window_) || key < copies_.front().applied) return false;
   if (!newest_ || key.time > *newest_) newest_ = key.time;
   if (key < applied_) rewind_before(key);
-  const auto place = std::ranges::upper_bound(evidence_, key, {}, &Evidence::key);
-  evidence_.insert(place, Evidence{key, sample.body});
-  readings_ += readings_in(sample.body);
+  insert(key, sample.body);
   return true;
+}
+
+void Timeline::exchange(std::shared_ptr<const TrackerFactory> newer, Random random, std::uint64_t after) {
+  insert({*newest_, std::variant_size_v<SampleBody>, after}, Exchange{std::move(newer), random});
+}
+
+void Timeline::insert(const Key& key, std::variant<SampleBody, Exchange> body) {
+  const auto place = std::ranges::upper_bound(evidence_, key, {}, &Evidence::key);
+  readings_ += readings_in(*evidence_.insert(place, Evidence{key, std::move(body)}));
+}
+
+void Timeline::apply(const Evidence& evidence) {
+  if (const auto* sample = std::get_if<SampleBody>(&evidence.body)) {
+    std::visit([this](const auto& body) { tracker_->feed(body); }, *sample);
+  } else {
+    const Exchange& exchange = std::get<Exchange>(evidence.body);
+    tracker_ = go_on(*exchange.newer, *tracker_, evidence.key.time, exchange.random);
+  }
+  applied_ = evidence.key;
+}
+
+std::size_t Timeline::readings_in(const Evidence& evidence) {
+  const auto* sample = std::get_if<SampleBody>(&evidence.body);
+  const auto* scan = sample ? std::get_if<RssScan>(sample) : nullptr;
+  return 1 + (scan ? scan->readings.size() : 0);
 }
 
 void Timeline::catch_up() {
   auto next = std::ranges::upper_bound(evidence_, applied_, {}, &Evidence::key);
-  for (; next != evidence_.end(); ++next) {
-    std::visit([this](const auto& body) { tracker_->feed(body); }, next->body);
-    applied_ = next->key;
-  }
+  for (; next != evidence_.end(); ++next) apply(*next);
   if (newest_ &&
       (copies_.back().applied.time == PhoneTime::min() || applied_.time - copies_.back().applied.time >= kCopyEvery)) {
     copies_.push_back({applied_, tracker_->clone()});
@@ -60,7 +72,7 @@ void Timeline::forget() {
   if (!newest_) return;
   while (copies_.size() > 1 && copies_[1].applied.time < *newest_ - window_) copies_.pop_front();
   while (!evidence_.empty() && evidence_.front().key <= copies_.front().applied) {
-    readings_ -= readings_in(evidence_.front().body);
+    readings_ -= readings_in(evidence_.front());
     evidence_.pop_front();
   }
 }

@@ -4,7 +4,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <vector>
+#include <variant>
 
 #include "server/pipeline/tracker.hpp"
 #include "wayfuse/proto/message.hpp"
@@ -30,6 +30,9 @@ class Timeline {
   bool take(const Sample& sample);
   /// Applies what was taken; the tracker then stands at newest().
   void catch_up();
+  /// From the newest evidence on `newer` tracks in the tracker's place (go_on). It happens at that moment of evidence whatever arrives
+  /// when: an older straggler is still applied by the tracker of its time. `after`: the newest number taken. Only after the first take().
+  void exchange(std::shared_ptr<const TrackerFactory> newer, Random random, std::uint64_t after);
 
   const Tracker& tracker() const { return *tracker_; }
   /// Time of the newest evidence taken; absent before the first.
@@ -37,7 +40,11 @@ class Timeline {
   std::uint64_t rewinds() const { return rewinds_; }
 
  private:
-  /// Order of application: by time, then motion before scans before GNSS, then by number.
+  struct Exchange {
+    std::shared_ptr<const TrackerFactory> newer;
+    Random random;
+  };
+  /// Order of application: by time, then motion before scans before GNSS before an exchange, then by number.
   struct Key {
     PhoneTime time = PhoneTime::min();
     std::size_t kind = 0;
@@ -46,14 +53,17 @@ class Timeline {
   };
   struct Evidence {
     Key key;
-    SampleBody body;
+    std::variant<SampleBody, Exchange> body;
   };
   struct Copy {
     Key applied;
     std::unique_ptr<Tracker> tracker;
   };
 
+  void insert(const Key& key, std::variant<SampleBody, Exchange> body);
+  void apply(const Evidence& evidence);
   void rewind_before(const Key& key);
+  static std::size_t readings_in(const Evidence& evidence);
   void forget();
 
   Duration window_;

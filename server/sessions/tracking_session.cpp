@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "wayfuse/proto/codec.hpp"
 
@@ -29,7 +30,7 @@ TrackingSession::TrackingSession(SessionRequest request, std::string name, std::
       disconnected_since_us_(now.time_since_epoch().count()),
       random_(seed),
       applied_through_(request_.begins_after) {
-  if (request_.building) track_in(request_.building);
+  if (request_.building) track_in(std::exchange(request_.building, nullptr));  // it is let go with the walk's first map
 }
 
 std::uint64_t TrackingSession::attach() {
@@ -76,6 +77,7 @@ TrackingSession::Outcome TrackingSession::apply(std::uint64_t generation, const 
   if (!outcome.owner) return outcome;
   const std::uint64_t rewinds_before = timeline_ ? timeline_->rewinds() : 0;
   const auto building_before = building_;
+  follow();
   for (const Sample& sample : batch.samples) {
     if (sample.sequence <= applied_through_) {
       ++outcome.duplicates;
@@ -126,17 +128,29 @@ void TrackingSession::hold(const Sample& sample) {
   if (held_.size() > kHeldMost) held_.pop_front();
 }
 
-// A session that has no position yet moves to the building its scans speak for, or to a newer map of its own; one that has
-// a position keeps the map it began with, so that a walk is one piece.
+// A session that has no position yet moves to the building its scans speak for, or to a newer snapshot of its own, with all it heard.
 void TrackingSession::settle() {
   if (placed_) return;
   if (!building_ && !resolve()) return;
   const auto newest = buildings_.find(building_->record().id);
-  const bool newer = newest && newest->map_version() != building_->map_version();
+  const bool newer = newest && newest != building_;
   if (timeline_ && !newer) return;
   track_in(newer ? newest : building_);
   if (!timeline_) return;
   for (const Sample& sample : held_) timeline_->take(sample);
+}
+
+// A session that has a position goes on from it. A building that was removed is still tracked in.
+void TrackingSession::follow() {
+  if (!placed_ || !building_) return;
+  auto newest = buildings_.find(building_->record().id);
+  if (!newest || newest == building_) return;
+  if (!timeline_ || !timeline_->newest()) return track_in(std::move(newest));
+  const auto factory = newest->pipeline(request_.pipeline);
+  if (!factory) return;
+  building_ = std::move(newest);
+  factory_ = *factory;
+  timeline_->exchange(factory_, random_.split(), applied_through_);
 }
 
 bool TrackingSession::resolve() {

@@ -46,6 +46,9 @@ class ClockOffset {
 
 /// One phone's walk: sample numbers, the building's snapshot, the tracker. It outlives its connections.
 ///
+/// It follows its building: when a batch arrives and the shelf has another snapshot (a newer map, a rollback, new walls, another
+/// pipeline where the phone asked for none), the walk goes on in that one from the newest evidence on (Timeline::exchange). The older
+/// one is let go as soon as no straggler can ask for it.
 /// The connection that attached last owns it; an older one finds out by its generation. Thread: any; one mutex, never
 /// contended but for a takeover.
 class TrackingSession {
@@ -64,7 +67,7 @@ class TrackingSession {
     /// Absent: no evidence in this session yet, or the phone rests and its position was said a moment ago.
     std::variant<std::monostate, FusedPosition, Fault> answer;
     bool unsound = false;           ///< the tracker gave a position that is not finite; it was withheld
-    bool building_changed = false;  ///< resolved by this batch, or a newer map taken
+    bool building_changed = false;  ///< resolved by this batch, or a newer snapshot taken
   };
 
   TrackingSession(SessionRequest request, std::string name, std::string tracked, std::uint64_t seed,
@@ -100,11 +103,12 @@ class TrackingSession {
   bool take(const Sample& sample);
   void hold(const Sample& sample);
   void settle();
+  void follow();
   bool resolve();
   void track_in(std::shared_ptr<const Building> building);
   void answer(Outcome& outcome, Duration still_interval);
 
-  const SessionRequest request_;
+  SessionRequest request_;
   const std::string name_;
   const std::string tracked_;
   const BuildingShelf& buildings_;

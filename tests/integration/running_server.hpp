@@ -80,8 +80,11 @@ class AnyServer : public testing::Test {
     surveyor.send(hello(Role::kSurvey, surveyed));
     surveyor.send(batch("first"));
     ASSERT_TRUE(surveyor.expect<SurveyAck>());
-    // Durable is not yet on the map: that is built off-strand and swapped in.
-    const std::string wanted = "\"radio_map_version\":1";
+    await_map(surveyed, 1);
+  }
+  /// Durable is not yet on the map: that is built off-strand and swapped in.
+  void await_map(std::uint64_t surveyed, std::uint64_t version) {
+    const std::string wanted = "\"radio_map_version\":" + std::to_string(version);
     std::string described;
     for (int i = 0; i < 10'000 && described.find(wanted) == std::string::npos; ++i) {
       described = http(where(), "GET", "/v1/buildings/" + std::to_string(surveyed), key).body;

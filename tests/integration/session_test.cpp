@@ -33,6 +33,59 @@ TEST_F(Sessions, ASurveyedBuildingGivesPositionsInBothEncodings) {
   }
 }
 
+TEST_F(Sessions, APhoneThatSendsTooFastIsHeldBackAndLosesNothing) {
+  start();
+  make_building("Hall");
+  survey(building);
+  RawWebsocket phone(where(), key);
+  phone.send(hello(Role::kTrack, building));
+  ASSERT_TRUE(phone.expect<Welcome>());
+  // Each waits for its answer, so that nothing is on its way when the reading pauses.
+  for (std::uint64_t number = 1; number <= 1100; ++number) {  // 1,000 at once are allowed
+    ASSERT_TRUE(phone.send(scans(number, 1)));
+    const auto ack = phone.expect<Ack>();
+    ASSERT_TRUE(ack) << "number " << number;
+    ASSERT_EQ(ack->through, number);
+  }
+}
+
+TEST_F(OwnSessions, AWalkGoesOverToTheNewerMapAndBackAtARollback) {
+  start({"--limits.arrivals_burst", "100000"});  // it asks whether the map is there, each time over a connection of its own
+  make_building("Hall");
+  const std::string path = "/v1/buildings/" + std::to_string(building);
+  RawWebsocket surveyor(where(), key);
+  surveyor.send(hello(Role::kSurvey, building));
+  const auto upload = [&](const std::string& name, auto belongs) {
+    SurveyBatch part = batch(name);
+    std::erase_if(part.points, [&](const ReferencePoint& point) { return !belongs(point.place.point.x_m); });
+    surveyor.send(part);
+    ASSERT_TRUE(surveyor.expect<SurveyAck>());
+  };
+  upload("west", [](double x_m) { return x_m < 22.0; });
+  await_map(building, 1);
+  RawWebsocket phone(where(), key);
+  phone.send(hello(Role::kTrack, building));
+  ASSERT_TRUE(phone.expect<Welcome>());
+  std::uint64_t sent = 0;
+  const auto walk = [&] {  // three scans, a second of evidence apart
+    phone.send(scans(sent + 1, 3));
+    sent += 3;
+    const auto position = phone.expect<Position>();
+    return position ? position->position.radio_map_version : 0;
+  };
+  EXPECT_EQ(walk(), 1u);
+  upload("east", [](double x_m) { return x_m >= 22.0; });
+  const auto built = http(where(), "POST", path + "/maps", key, "{}");
+  EXPECT_EQ(built.status, 201) << built.body;
+  const auto promoted = http(where(), "POST", path + "/maps/2/promotion", key, R"({"expected_live":1,"reason":"test"})");
+  EXPECT_EQ(promoted.status, 201) << promoted.body;
+  await_map(building, 2);
+  EXPECT_EQ(walk(), 2u) << "the session still has the map of half the survey";
+  EXPECT_EQ(http(where(), "POST", path + "/maps/rollback", key, R"({"reason":"test"})").status, 201);
+  await_map(building, 1);
+  EXPECT_EQ(walk(), 1u);
+}
+
 TEST_F(Sessions, ResumeAfterABrokenConnection) {
   start();
   make_building("Hall");

@@ -97,6 +97,54 @@ TEST(Timeline, EveryOrderOfArrivalInsideTheWindowEndsTheSame) {
   }
 }
 
+/// Its trackers go on with what the older one wrote, and sign it.
+class SigningFactory final : public TrackerFactory {
+ public:
+  explicit SigningFactory(std::string name) : name_(std::move(name)) {}
+  std::unique_ptr<Tracker> make_tracker(Random, const std::optional<KnownStart>&) const override { return nullptr; }
+  std::unique_ptr<Tracker> take_over(const Tracker& older) const override {
+    auto taken = std::make_unique<WritingTracker>(dynamic_cast<const WritingTracker&>(older));
+    taken->written += name_ + " ";
+    return taken;
+  }
+  const PipelineSpec& spec() const override { return spec_; }
+
+ private:
+  std::string name_;
+  PipelineSpec spec_;
+};
+
+TEST(Timeline, AnExchangeHappensAtItsMomentOfEvidenceWhateverArrivesWhen) {
+  Timeline timeline(std::make_unique<WritingTracker>());
+  EXPECT_TRUE(timeline.take({1, step_at(1.0)}));
+  EXPECT_TRUE(timeline.take({2, step_at(2.0)}));
+  timeline.catch_up();
+  timeline.exchange(std::make_shared<SigningFactory>("B"), Random(1), 2);
+  EXPECT_TRUE(timeline.take({3, scan_at(2.0)}));  // of the very instant, and yet before it
+  timeline.catch_up();
+  EXPECT_EQ(written(timeline), "m10 m20 s20 B ");
+  timeline.exchange(std::make_shared<SigningFactory>("C"), Random(1), 3);
+  EXPECT_TRUE(timeline.take({4, step_at(3.0)}));
+  EXPECT_TRUE(timeline.take({5, scan_at(1.5)}));  // a straggler is the older tracker's
+  timeline.catch_up();
+  EXPECT_EQ(written(timeline), "m10 s15 m20 s20 B C m30 ");
+}
+
+TEST(Timeline, LetsGoOfTheOlderPipelineOnceNoStragglerCanAskForIt) {
+  Timeline timeline(std::make_unique<WritingTracker>());
+  EXPECT_TRUE(timeline.take({1, step_at(1.0)}));
+  timeline.catch_up();
+  auto b = std::make_shared<SigningFactory>("B");
+  const std::weak_ptr<const TrackerFactory> watched = b;
+  timeline.exchange(std::move(b), Random(1), 1);
+  for (std::uint64_t i = 2; !watched.expired() && i < 30; ++i) {
+    EXPECT_TRUE(timeline.take({i, step_at(0.5 + 0.5 * static_cast<double>(i))}));
+    timeline.catch_up();
+  }
+  EXPECT_TRUE(watched.expired());
+  EXPECT_LE(seconds(timeline.newest()->time_since_epoch()), 1.0 + 2.0 * seconds(Timeline::kCopyEvery + Timeline::kWindow));
+}
+
 TEST(Timeline, AFloodShortensTheWindowInsteadOfFillingMemory) {
   Timeline timeline(std::make_unique<WritingTracker>());
   RssScan crowded{at(1.0), std::vector<ScanReading>(Limits::kReadingsPerScan)};
