@@ -49,7 +49,17 @@ async def look(page, what, seconds, meanwhile=None):
     print(f"{'main thread a frame, ' + what:<36} mean   {1000 * (await spent() - before) / len(intervals):6.1f} ms")
 
 
+async def look_at_nothing(system, seconds):
+    """What this machine and this browser give a page that does nothing: what the rest is held against."""
+    page = await Browser.open(f"{system.url}/healthz", 1600, 1000)
+    try:
+        show("between frames, an empty page", await page.run(f"{INTERVALS}({seconds})"))
+    finally:
+        await page.close()
+
+
 async def measure(system, phones, seconds):
+    await look_at_nothing(system, seconds)
     page = await Browser.open(f"{system.url}/console/", 1600, 1000)
     try:
         await page.call("Page.addScriptToEvaluateOnNewDocument", source=f"const kCrowd = {phones};\n{CROWD.read_text()}")

@@ -144,20 +144,20 @@ function drawHeadings({ ctx, x, y }: Pen, phones: Phone[], now: number, ink: str
 }
 
 const kDotPixels = 16;
-const dots = new Map<string, HTMLCanvasElement>();
+const dots = new Map<string, ImageBitmap>();
 
 // The picture of a phone of this colour, at twice its size for sharp screens.
-function dotOf(ink: string, halo: string): HTMLCanvasElement {
+function dotOf(ink: string, halo: string): ImageBitmap {
   const name = `${ink} ${halo}`;
   const known = dots.get(name);
   if (known) return known;
-  const picture = document.createElement('canvas');
-  Object.assign(picture, { width: 2 * kDotPixels, height: 2 * kDotPixels });
-  const ctx = picture.getContext('2d')!;
+  const canvas = new OffscreenCanvas(2 * kDotPixels, 2 * kDotPixels);
+  const ctx = canvas.getContext('2d')!;
   ctx.arc(kDotPixels, kDotPixels, 11, 0, 2 * Math.PI);
   Object.assign(ctx, { fillStyle: ink, strokeStyle: halo, lineWidth: 4 });
   ctx.stroke();
   ctx.fill();
+  const picture = canvas.transferToImageBitmap();
   dots.set(name, picture);
   return picture;
 }

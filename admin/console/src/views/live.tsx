@@ -56,8 +56,7 @@ export function Live() {
     const place = name ? phones.byName.get(name)?.position.place : undefined;
     if (!place || !map) return;
     setFloor(place.floor);
-    const at = toLatLng([place.x_m, place.y_m]);
-    if (!map.getBounds().pad(-0.1).contains(at)) map.panTo(at);
+    map.panInside(toLatLng([place.x_m, place.y_m]), { padding: [60, 60] });
   };
   const pick = (x: number, y: number, reach: number) => choose(nearestPhone(phones.present(), floor, x, y, reach));
   const present = phones.present();

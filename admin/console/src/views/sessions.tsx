@@ -44,9 +44,7 @@ export function Sessions() {
   const there = why.data?.position;
   useEffect(() => { if (there) setFloor(there.floor); }, [tracked, there?.floor]);
   useEffect(() => {
-    if (!map || !there) return;
-    const at = toLatLng([there.x_m, there.y_m]);
-    if (!map.getBounds().pad(-0.1).contains(at)) map.panTo(at);
+    if (map && there) map.panInside(toLatLng([there.x_m, there.y_m]), { padding: [60, 60] });
   }, [map, there?.x_m, there?.y_m]);
 
   return (
