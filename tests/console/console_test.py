@@ -72,7 +72,7 @@ async def use_the_keyboard(page, building):
     await page.press("Enter")
     await page.until("location.hash.split('/').length === 4 && document.querySelector('.residual')")
     await page.run("history.back()")
-    await page.until("document.querySelector('#phones tr')")
+    await page.until("document.querySelector('#phones tr') && document.querySelector('.map-box.leaflet-container')")  # it listens
     await page.run("document.querySelector('.map-box').focus()")
     scale = "document.querySelector('.leaflet-control-scale-line').textContent + document.querySelector('.leaflet-control-scale-line').style.width"
     before = await page.run(scale)
