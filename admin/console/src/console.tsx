@@ -1,4 +1,4 @@
-import { Building2, Database, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun, Waypoints, Webhook } from 'lucide-preact';
+import { BookOpen, Building2, Database, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun, Waypoints, Webhook } from 'lucide-preact';
 import type { ComponentType } from 'preact';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { StandingContext, type Standing } from './context';
@@ -132,6 +132,7 @@ function Rail({ view, building }: { view: string; building: number | null }) {
       {kViews.filter((each) => each.ofBuilding).map(entry)}
       <h3>Server</h3>
       {kViews.filter((each) => !each.ofBuilding).map(entry)}
+      <a class="foot" href="/docs" title="API"><BookOpen aria-hidden="true" /><span class="full">API</span><span class="short" aria-hidden="true">API</span></a>
     </nav>
   );
 }

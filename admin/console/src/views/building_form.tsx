@@ -58,9 +58,9 @@ export function documentOf(draft: Draft): object {
   };
 }
 
-interface FormProps { building: Building | null; title: string; onClose: () => void; onDone: () => void }
+interface FormProps { building: Building | null; etag: string | null; title: string; onClose: () => void; onDone: () => void }
 
-export function BuildingForm({ building, title, onClose, onDone }: FormProps) {
+export function BuildingForm({ building, etag, title, onClose, onDone }: FormProps) {
   const { say } = useStanding();
   const [draft, setDraft] = useState(draftOf(building));
   const pipelines = useAnswer<{ pipelines: string[] }>('/v1/pipelines');
@@ -68,10 +68,12 @@ export function BuildingForm({ building, title, onClose, onDone }: FormProps) {
   const set = (change: Partial<Draft>) => setDraft((old) => ({ ...old, ...change }));
   const save = async () => {
     const path = building ? `/v1/buildings/${building.id}` : '/v1/buildings';
-    const { body } = await request<Building>(path, { method: building ? 'PUT' : 'POST', body: documentOf(draft) });
+    const { body } = await request<Building>(path, {
+      method: building ? 'PUT' : 'POST', body: documentOf(draft), headers: building && etag ? { 'if-match': etag } : {},
+    });
     say('good', building ? `“${body.name}” is changed.` : `“${body.name}” is created.`);
     onDone();
-    if (!building) go(body.id, 'survey');
+    if (!building) go(body.id, body.floors.length ? 'survey' : 'plans');
   };
   return (
     <form onSubmit={(event) => { event.preventDefault(); void run(save); }}>
@@ -156,6 +158,7 @@ function Storeys({ storeys, onChange }: { storeys: Storey[]; onChange: (storeys:
         </div>
       ))}
       <div><button type="button" onClick={add}><Plus />Add a floor</button></div>
+      {!storeys.some((one) => one.known) && <small class="hint">A plan brings its own floors: with a GeoJSON or IMDF file, remove these and import it next.</small>}
     </div>
   );
 }

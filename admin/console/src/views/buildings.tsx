@@ -69,11 +69,11 @@ function Row({ id, open, onEdit }: { id: number; open: boolean; onEdit: () => vo
 }
 
 function Editing({ id, onClose, onDone }: { id: number | 'new'; onClose: () => void; onDone: () => void }) {
-  const { data, fault, again } = useAnswer<Building>(id === 'new' ? null : `/v1/buildings/${id}`);
+  const { data, etag, fault, again } = useAnswer<Building>(id === 'new' ? null : `/v1/buildings/${id}`);
   const title = id === 'new' ? 'New building' : `Edit “${data?.name ?? '…'}”`;
   return (
     <Dialog title={title} wide onClose={onClose}>
-      {id === 'new' || data ? <BuildingForm building={data} title={title} onClose={onClose} onDone={onDone} /> : (
+      {id === 'new' || data ? <BuildingForm building={data} etag={etag} title={title} onClose={onClose} onDone={onDone} /> : (
         <div class="dialog-body"><DialogHead title={title} onClose={onClose} />{fault ? <Fault fault={fault} again={again} /> : <Loading what="the building" />}</div>
       )}
     </Dialog>

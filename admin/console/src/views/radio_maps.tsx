@@ -77,7 +77,7 @@ function Versions({ maps, compared, onCompare, onPromote }: VersionsProps) {
         {maps.map((map) => (
           <tr key={map.version} data-version={map.version} class={map.version === compared ? 'picked' : ''}>
             <td><span class="row"><strong>{map.version}</strong>{map.live && <Badge tone="good">live</Badge>}</span></td>
-            <td data-label="Built" class="whole">{when(map.built_at_us)}<span class="sub">survey {map.survey_version}</span></td>
+            <td data-label="Built" class="whole date">{when(map.built_at_us)}<span class="sub">survey {map.survey_version}</span></td>
             <td class="number" data-label="Points">{count(map.points)}</td>
             <td class="number" data-label="Median">{metres(map.quality?.median_m)}</td>
             <td class="number" data-label="90 %">{metres(map.quality?.p90_m)}</td>

@@ -1,9 +1,10 @@
-import { useEffect, useState } from 'preact/hooks';
+import { useState } from 'preact/hooks';
 import { useBuilding } from '../context';
 import { Choice } from '../parts/choice';
 import { Dialog, DialogHead, Fault, Loading, useDeed } from '../parts/parts';
 import { request } from '../wire/api';
 import type { Webhook } from '../wire/webhook_shapes';
+import { useAnswer } from '../wire/use_answer';
 import type { Zone } from '../wire/zone_shapes';
 
 interface FormProps { webhook: Webhook | null; zones: Zone[]; onClose: () => void; onDone: (webhook: Webhook) => void }
@@ -15,11 +16,8 @@ export function WebhookForm({ webhook, zones, onClose, onDone }: FormProps) {
   const [of, setOf] = useState<'all' | 'some'>(webhook?.zones.length ? 'some' : 'all');
   const [chosen, setChosen] = useState<number[]>(webhook?.zones ?? []);
   const [enabled, setEnabled] = useState(webhook?.enabled ?? true);
-  const [etag, setEtag] = useState<string | null>(null);
-  const { busy, fault, run, setFault } = useDeed();
-  useEffect(() => {
-    if (webhook) request<Webhook>(`${base}/${webhook.id}`).then((answer) => setEtag(answer.etag)).catch(setFault);
-  }, []);
+  const { busy, fault, run } = useDeed();
+  const { etag, fault: unread } = useAnswer<Webhook>(webhook && `${base}/${webhook.id}`);
   const save = async () => {
     const body = { url: url.trim(), zones: of === 'all' ? [] : chosen, enabled };
     const { body: saved } = await request<Webhook>(webhook ? `${base}/${webhook.id}` : base, {
@@ -48,8 +46,8 @@ export function WebhookForm({ webhook, zones, onClose, onDone }: FormProps) {
           </fieldset>
         )}
         <label class="check"><input type="checkbox" checked={enabled} onChange={() => setEnabled(!enabled)} />Switched on</label>
-        {webhook && !etag && !fault && <Loading what="the webhook" />}
-        {fault && <Fault fault={fault} />}
+        {webhook && !etag && !unread && <Loading what="the webhook" />}
+        {(fault ?? unread) && <Fault fault={(fault ?? unread)!} />}
         <div class="row end">
           <button type="button" onClick={onClose}>Cancel</button>
           <button class="primary" disabled={busy || (webhook !== null && !etag) || (of === 'some' && chosen.length === 0)}>{webhook ? 'Save' : 'Create webhook'}</button>

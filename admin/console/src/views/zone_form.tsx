@@ -5,6 +5,7 @@ import { PolygonEditor } from '../map/polygon_editor';
 import { Fault, Loading, useDeed } from '../parts/parts';
 import { request } from '../wire/api';
 import type { Point, Ring } from '../wire/shapes';
+import { useAnswer } from '../wire/use_answer';
 import type { Zone } from '../wire/zone_shapes';
 
 const textOf = (rings: Ring[]) => rings.map((ring) => ring.map(([x, y]) => `${x}, ${y}`).join('\n')).join('\n\n');
@@ -40,8 +41,8 @@ export function ZoneForm({ map, zone, onClose, onDone }: FormProps) {
   const [tolerated, setTolerated] = useState(zone ? seconds(zone.tolerance_timeout_us) : '10');
   const [delay, setDelay] = useState(zone ? seconds(zone.exit_delay_us) : '5');
   const [timeout, setTimeout_] = useState(zone ? seconds(zone.timeout_us) : '120');
-  const [etag, setEtag] = useState<string | null>(null);
-  const { busy, fault, run, setFault } = useDeed();
+  const { etag, fault: unread } = useAnswer<Zone>(zone && `${path}/${zone.id}`);
+  const { busy, fault, run } = useDeed();
   const editor = useRef<PolygonEditor | null>(null);
 
   useEffect(() => {
@@ -49,10 +50,6 @@ export function ZoneForm({ map, zone, onClose, onDone }: FormProps) {
     editor.current = new PolygonEditor(map, zone?.region ?? [], (rings) => setCorners(textOf(rings)));
     return () => editor.current?.remove();
   }, [map]);
-  useEffect(() => {
-    if (!zone) return;
-    request<Zone>(`${path}/${zone.id}`).then(({ etag: tag }) => setEtag(tag)).catch(setFault);
-  }, []);
 
   const rings = ringsOf(corners);
   const write = (text: string) => {
@@ -71,7 +68,7 @@ export function ZoneForm({ map, zone, onClose, onDone }: FormProps) {
     say('good', `“${saved.name}” is ${zone ? 'changed' : 'watched from now on'}.`);
     onDone(saved.id);
   };
-  if (zone && !etag && !fault) return <section><Loading what="the zone" /></section>;
+  if (zone && !etag && !unread) return <section><Loading what="the zone" /></section>;
   return (
     <section>
       <form class="field" onSubmit={(event) => { event.preventDefault(); void run(save); }}>
@@ -88,7 +85,7 @@ export function ZoneForm({ map, zone, onClose, onDone }: FormProps) {
           <NumberField label="Left when unheard, s" value={timeout} onInput={setTimeout_} />
         </div>
         <p class="hint">A phone leaves when it is farther than the tolerance from the zone, or was outside for longer than tolerated, and stays out for the delay. An empty time means for ever.</p>
-        {fault && <Fault fault={fault} />}
+        {(fault ?? unread) && <Fault fault={(fault ?? unread)!} />}
         <div class="row end"><button type="button" onClick={onClose}>Cancel</button><button class="primary" disabled={busy || !rings}>{zone ? 'Save' : 'Create zone'}</button></div>
       </form>
     </section>

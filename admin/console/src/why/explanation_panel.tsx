@@ -25,6 +25,7 @@ export function ExplanationPanel({ explanation, floors, chosen, choose }: PanelP
           ...(explanation.gnss ? [['Satellites', 'took part'] as [string, string]] : []),
         ]} />
         {integrity.reasons.map((reason) => <Notice tone={integrity.state === 'ok' ? '' : 'warn'} key={reason}>{reason}</Notice>)}
+        {explanation.remarks?.map((remark) => <Notice key={remark}>{remark}</Notice>)}
         <h3>Floor votes</h3>
         <FloorVotes votes={explanation.floor_votes} floors={floors} />
       </section>

@@ -38,5 +38,6 @@ export interface Explanation {
   rejected: ReadingExplained[];
   floor_votes: { floor: number; probability: number }[];
   integrity: { state: Integrity; reasons: string[] };
+  remarks?: string[];                        // what the pipeline could not prepare here
   particles: [number, number, number][];     // x_m, y_m, weight
 }
