@@ -15,6 +15,10 @@ FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-
          "--disable-component-update", "--disable-sync", "--remote-debugging-port=0", "--hide-scrollbars"]
 
 
+class Gone(Exception):
+    """The page that was asked is no more: another one is being loaded."""
+
+
 class Browser:
     """One page. Collects everything the page complains about in `complaints` and every URL it asks for in `requested`."""
 
@@ -71,6 +75,8 @@ class Browser:
         self.waiting[number] = asyncio.get_running_loop().create_future()
         await self.socket.send(json.dumps({"id": number, "method": method, "params": params}))
         answer = await asyncio.wait_for(self.waiting[number], 60)
+        if "navigated" in str(answer.get("error")):
+            raise Gone(method)
         assert "error" not in answer, f"{method}: {answer['error']}"
         return answer["result"]
 
@@ -82,8 +88,11 @@ class Browser:
     async def until(self, condition, seconds=60):
         """Waits for a condition to become true in the page; asserts that it does."""
         for _ in range(seconds * 5):
-            if await self.run(f"Boolean({condition})"):
-                return
+            try:
+                if await self.run(f"Boolean({condition})"):
+                    return
+            except Gone:
+                pass  # asked while the page was being loaded anew
             await asyncio.sleep(0.2)
         raise AssertionError(f"not within {seconds} s: {condition}")
 

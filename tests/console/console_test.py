@@ -123,6 +123,22 @@ async def look_at_a_crowd(system):
         await page.close()
 
 
+async def look_with_a_key_for_zones(system):
+    """A key that sees zones only is told of entries and exits, and the page asks for no positions with it."""
+    key = system.post("/v1/keys", json.dumps({"name": "lobby screen", "scopes": ["observe"], "building": int(system.building), "coarse": True}).encode())["key"]
+    page = await Browser.open(f"{system.url}/console/#/{system.building}/live", *SCREENS["phone"])
+    try:
+        await page.run(f"sessionStorage.setItem('wayfuse-key', {json.dumps(key)}); location.reload()")
+        await page.until(f"document.getElementById('link')?.textContent === 'Live' && {says('This key sees which zone a phone is in')}")
+        assert await page.run("document.getElementById('phones')") is None
+        await page.run(f"location.hash = '#/{system.building}/zones'")
+        system.post(f"/v1/buildings/{system.building}/zones", json.dumps({"name": "Everywhere else", "floor": 1, "region": [[[0, 0], [60, 0], [60, 32], [0, 32]]],
+                    "exit_tolerance_m": 1, "tolerance_timeout_us": 1000000, "exit_delay_us": 1000000, "timeout_us": 60000000}).encode())
+        await page.until("document.querySelector('#zone-events li')")
+    finally:
+        await page.close()
+
+
 async def look(system, pictures):
     page = await Browser.open(f"{system.url}/console/", *SCREENS["wide"])
     try:
@@ -154,6 +170,7 @@ def main():
     system = System(programs)
     try:
         asyncio.run(look(system, pathlib.Path(programs.pictures)))
+        asyncio.run(look_with_a_key_for_zones(system))
         asyncio.run(look_at_a_crowd(system))
     finally:
         system.close()

@@ -77,12 +77,15 @@ export function Live() {
         </div>
         {building.floors.length === 0 && (
           <div class="map-message"><Empty title="No floor plan yet">
-            <a href={hashOf(building.id, 'buildings')}>Describe the building’s floors</a> to see phones on them.
+            <a href={hashOf(building.id, 'plans')}>Import a plan</a> or <a href={hashOf(building.id, 'buildings')}>describe the floors</a> to see phones on them.
           </Empty></div>
         )}
       </FloorMap>
       <aside class="side" aria-label="Phones">
         {link.kind === 'refused' && <section><Notice tone="bad">Live positions were refused: {link.cause}</Notice></section>}
+        {link.kind === 'live' && link.zonesOnly && (
+          <section><Notice>This key sees which zone a phone is in, not where it is: see <a href={hashOf(building.id, 'zones')}>Zones</a> and <a href={hashOf(building.id, 'sessions')}>Sessions</a>.</Notice></section>
+        )}
         {phone && (
           <section>
             <div class="side-head">
@@ -93,7 +96,7 @@ export function Live() {
             <PhoneCard phone={phone} session={sessions.data?.sessions.find((one) => one.tracked === phone.name) ?? null} floors={building.floors} />
           </section>
         )}
-        <PhoneList phones={[...phones.byName.values()]} chosen={chosen} choose={choose} />
+        {!(link.kind === 'live' && link.zonesOnly) && <PhoneList phones={[...phones.byName.values()]} chosen={chosen} choose={choose} />}
       </aside>
     </div>
   );

@@ -3,7 +3,7 @@
 import { tabKey } from './api';
 import type { Observed, ZoneEvent } from './shapes';
 
-export type LinkState = { kind: 'connecting' } | { kind: 'live'; radioMap: number } | { kind: 'lost' } | { kind: 'refused'; cause: string };
+export type LinkState = { kind: 'connecting' } | { kind: 'live'; zonesOnly: boolean } | { kind: 'lost' } | { kind: 'refused'; cause: string };
 
 export interface Hearing {
   onLink(state: LinkState): void;
@@ -18,6 +18,7 @@ export class Observer {
   private socket: WebSocket | null = null;
   private wait = 500;
   private refused = false;
+  private zonesOnly = false;           // a coarse key: it is told zones and no positions
   private timer = 0;
 
   constructor(private readonly building: number, private readonly hearing: Hearing) {
@@ -37,21 +38,30 @@ export class Observer {
     const socket = new WebSocket(`${scheme}://${location.host}/v1/session`, 'wayfuse.v1.json');
     this.socket = socket;
     socket.onopen = () => {
-      const say = (message: object) => socket.send(JSON.stringify(message));
-      say({ type: 'hello', role: 'observe', building: this.building, token: tabKey.get(), app: 'wayfuse console', phone_time_us: 0 });
-      say({ type: 'subscribe', min_interval_us: kIntervalUs, zone_events: true });
+      socket.send(JSON.stringify({ type: 'hello', role: 'observe', building: this.building, token: tabKey.get(), app: 'wayfuse console', phone_time_us: 0 }));
+      this.subscribe(socket);
     };
     socket.onmessage = ({ data }) => this.socket === socket && this.receive(JSON.parse(data as string));
     socket.onclose = () => this.socket === socket && this.lost();
+  }
+
+  private subscribe(socket: WebSocket): void {
+    const wanted = { type: 'subscribe', min_interval_us: kIntervalUs, zone_events: true, ...(this.zonesOnly && { positions: false }) };
+    socket.send(JSON.stringify(wanted));
   }
 
   private receive(message: { type: string } & Record<string, unknown>): void {
     if (message.type === 'welcome') {
       this.wait = 500;
       this.refused = false;
-      this.hearing.onLink({ kind: 'live', radioMap: Number(message.radio_map_version ?? 0) });
+      this.hearing.onLink({ kind: 'live', zonesOnly: this.zonesOnly });
     } else if (message.type === 'fault') {
-      const fault = message.fault as { name?: string; cause?: string };
+      const fault = message.fault as { name?: string; field?: string; cause?: string };
+      if (fault.field === 'positions' && !this.zonesOnly) {
+        this.zonesOnly = true;
+        this.subscribe(this.socket!);
+        return this.hearing.onLink({ kind: 'live', zonesOnly: true });
+      }
       this.refused = true;
       this.hearing.onLink({ kind: 'refused', cause: fault.cause || fault.name || 'refused' });
     } else if (message.type === 'observation') {
