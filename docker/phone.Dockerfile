@@ -4,7 +4,7 @@
 FROM debian:bookworm-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends g++ cmake ninja-build pkg-config libboost1.81-dev \
       nlohmann-json3-dev libeigen3-dev libsqlite3-dev libsodium-dev libssl-dev libhwy-dev libspdlog-dev libcli11-dev \
-      libcurl4-openssl-dev libtomlplusplus-dev zlib1g-dev libgeos-dev libarchive-dev busybox openssl ca-certificates
+      libcurl4-openssl-dev libtomlplusplus-dev zlib1g-dev libgeos-dev libzip-dev busybox openssl ca-certificates
 COPY . /source
 RUN cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DWAYFUSE_BUILD_TESTS=OFF \
  && cmake --build /build --target wayfused wayfuse wayfuse-phone \
