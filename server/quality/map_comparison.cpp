@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNoise_m = 0.15;          // a difference of means below it does not repeat with other random numbers
 constexpr double kNoiseShare = 0.05;
-constexpr double kPlain = 4.0;             // this many times the noise is worse even on a single walk
+constexpr double kPlain = 4.0;             // this many times the noise counts even on a single walk
 constexpr double kFewestRight = 0.01;      // floor hits and answers a map may lose
 constexpr double kHonest95 = 0.90;
 constexpr double kHonestLoss = 0.05;
@@ -69,9 +69,12 @@ void judge(MapComparison& comparison) {
   const double noise_m = std::max(kNoise_m, kNoiseShare * before.mean_m);
   const double answers = share(static_cast<double>(now.instants), static_cast<double>(now.asked));
   const double answers_before = share(static_cast<double>(before.instants), static_cast<double>(before.asked));
-  if (difference > noise_m && (interval.low > 0.0 || difference > kPlain * noise_m)) {
-    worse(words("the mean error rises from %.2f to %.2f m", before.mean_m, now.mean_m) +
-          words(" (95 %% interval of the difference %.2f to %.2f m)", interval.low, interval.high));
+  // One walk has no other to differ from: its interval would be a point.
+  const bool several = now.walks > 1;
+  const std::string how_sure = several ? words(" (95 %% interval of the difference %.2f to %.2f m)", interval.low, interval.high)
+                                       : " (one walk: no interval of the difference)";
+  if (difference > noise_m && ((several && interval.low > 0.0) || difference > kPlain * noise_m)) {
+    worse(words("the mean error rises from %.2f to %.2f m", before.mean_m, now.mean_m) + how_sure);
   }
   if (now.floor_hit < before.floor_hit - kFewestRight) {
     worse(words("the floor is right in %.1f instead of %.1f %% of the answers", 100.0 * now.floor_hit, 100.0 * before.floor_hit));
@@ -83,10 +86,9 @@ void judge(MapComparison& comparison) {
     worse(words("the 95 %% circle holds %.1f instead of %.1f %%", 100.0 * now.in95, 100.0 * before.in95));
   }
   if (comparison.verdict == Verdict::kWorse) return;
-  const bool better = difference < 0.0 && interval.high < 0.0;
+  const bool better = -difference > noise_m && ((several && interval.high < 0.0) || -difference > kPlain * noise_m);
   comparison.verdict = better ? Verdict::kBetter : Verdict::kSame;
-  comparison.reasons.push_back(words("the mean error goes from %.2f to %.2f m", before.mean_m, now.mean_m) +
-                               words(" (95 %% interval of the difference %.2f to %.2f m)", interval.low, interval.high));
+  comparison.reasons.push_back(words("the mean error goes from %.2f to %.2f m", before.mean_m, now.mean_m) + how_sure);
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ struct MapComparison {
 
 /// The gate. `worse`: the mean error rose by more than `noise_m` or 5 % and the interval lies above 0 (or it rose four times as
 /// much, whatever the interval); a floor hit or an answer in a hundred was lost; or the 95 % circle holds less than 90 % and 5
-/// points less than before. `unknown`: nothing to measure by on both sides. Walks that only one side has are left out.
+/// points less than before. `better`: down by as much, as surely. One walk has no interval. `unknown`: nothing to measure by on both
+/// sides. Walks that only one side has are left out.
 MapComparison compare(std::span<const MapQuality> candidate, std::span<const MapQuality> live);
 
 }  // namespace wayfuse

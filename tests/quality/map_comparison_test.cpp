@@ -31,6 +31,7 @@ std::vector<MapQuality> walks(std::initializer_list<double> means_m, double floo
 TEST(MapComparison, SmallDifferencesAreNoise) {
   const auto comparison = compare(walks({3.0, 4.1, 5.0, 2.1}), walks({3.1, 4.0, 4.9, 2.0}));
   EXPECT_EQ(comparison.verdict, Verdict::kSame);
+  EXPECT_EQ(compare(walks({2.97, 3.97, 4.97}), walks({3.0, 4.0, 5.0})).verdict, Verdict::kSame) << "3 cm on every walk are still 3 cm";
   EXPECT_NEAR(comparison.mean_m.difference, 0.05, 1e-9);  // (-0.1 + 0.1 + 0.1 + 0.1) / 4
   EXPECT_FALSE(comparison.reasons.empty());
 }
@@ -44,6 +45,12 @@ TEST(MapComparison, WorseOnEveryWalkIsWorse) {
 
 TEST(MapComparison, OneWalkMuchWorseIsWorseAlthoughThereIsNoIntervalToSpeakOf) {
   EXPECT_EQ(compare(walks({4.0}), walks({3.0})).verdict, Verdict::kWorse);
+  EXPECT_EQ(compare(walks({3.0}), walks({4.0})).verdict, Verdict::kBetter);
+  for (const double close : {2.97, 2.7, 3.3}) {
+    const auto comparison = compare(walks({close}), walks({3.0}));
+    EXPECT_EQ(comparison.verdict, Verdict::kSame) << close;
+    EXPECT_THAT(comparison.reasons, Contains(HasSubstr("one walk: no interval")));
+  }
   // Up on one walk, down on the others: the interval straddles 0 and the rise is within the noise.
   EXPECT_EQ(compare(walks({4.6, 2.9, 2.9}), walks({3.8, 3.0, 3.0})).verdict, Verdict::kSame);
 }
