@@ -216,7 +216,7 @@ void AccessPointWatch::judge_known(const Evidence& evidence, const AccessPointRe
   const bool settled = !before || before->state == AccessPointState::kOk || (evidence.due >= kDueEnough && due_sessions >= kSessions && share >= kBackShare);
   if (!settled) return;
   verdict.state = AccessPointState::kOk;
-  verdict.reason = evidence.due > 0.0 ? words("heard in %.0f %% of %.0f scans in which it was due", 100.0 * share, evidence.due) : "";
+  verdict.reason = evidence.due >= 1.0 ? words("due in %.0f scans, heard in %.0f", evidence.due, evidence.heard) : "";
 }
 
 void AccessPointWatch::judge_new(const Evidence& evidence, AccessPointRecord& verdict) const {
