@@ -132,6 +132,8 @@ async def access_points(page, system):
     await page.until("document.querySelectorAll('[data-bssid]').length > 5")
     await page.run(fill("[data-bssid] select", "never"))
     await page.until("document.querySelector('[data-bssid]').innerText.includes('left out')")
+    await page.run("document.querySelector('[data-bssid] a').click()")  # where the survey heard it
+    await page.until(f"location.hash.split('/')[2] === 'survey' && {says('Level, dBm')} && {PAINTED % 'points'} > 0.0003")
 
 
 async def plans(page, system):

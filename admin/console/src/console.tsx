@@ -71,6 +71,7 @@ function Signed({ leave }: { leave: () => void }) {
   return (
     <StandingContext.Provider value={standing.value}>
       <div class="shell">
+        <button class="skip" onClick={() => document.getElementById('page')!.focus()}>Skip to the page</button>
         <Rail view={shown.name} building={id} />
         <Top buildings={buildings} building={one.data} view={shown.name} link={standing.value.link} leave={leave} />
         <main class="page" id="page" tabIndex={-1}>

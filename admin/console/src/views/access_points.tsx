@@ -67,7 +67,7 @@ function Row({ one, onChange }: { one: AccessPoint; onChange: () => void }) {
   const floors = [...new Set(one.resurvey.map((place) => place.floor))];
   return (
     <tr data-bssid={one.bssid}>
-      <td><span class="mono">{one.bssid}</span>
+      <td>{one.on_map ? <a class="mono" href={hashOf(building.id, 'survey', one.bssid)} title="Where the survey heard it">{one.bssid}</a> : <span class="mono">{one.bssid}</span>}
         <span class="row tight"><Badge tone={tone}>{text}</Badge>{one.quarantined && <Badge tone="warn">left out</Badge>}{!one.on_map && <Badge>not surveyed</Badge>}</span></td>
       <td data-label="Reason" class="whole">{one.reason || '–'}
         {(one.distance_m !== null || one.change_db !== null) && (
@@ -81,7 +81,7 @@ function Row({ one, onChange }: { one: AccessPoint; onChange: () => void }) {
         </select>
       </td>
       <td data-label="Survey again">{one.resurvey.length === 0 ? '–' : (
-        <a href={hashOf(building.id, 'survey')} onClick={() => setFloor(floors[0]!)}>{plural(one.resurvey.length, 'place')}</a>
+        <a href={hashOf(building.id, 'survey', one.bssid)} onClick={() => setFloor(floors[0]!)}>{plural(one.resurvey.length, 'place')}</a>
       )}</td>
     </tr>
   );

@@ -9,7 +9,7 @@ import { Checks } from './checks';
 
 /// Reads a GeoJSON or IMDF plan: first the report of what was found in it, then, if the operator agrees, the floors.
 export function PlanImport() {
-  const { building, floor, reload, say } = useBuilding();
+  const { building, floor, setFloor, reload, say } = useBuilding();
   const [file, setFile] = useState<File | null>(null);
   const [oneFloor, setOneFloor] = useState('');
   const [coordinates, setCoordinates] = useState('');
@@ -23,8 +23,10 @@ export function PlanImport() {
   const put = async (dryRun: boolean) => {
     const query = new URLSearchParams({ rooms, ...(dryRun && { dry_run: '1' }), ...(zones && { zones: '1' }), ...(oneFloor && { floor: oneFloor }), ...(coordinates && { coordinates }) });
     const type = file!.name.endsWith('.zip') ? 'application/zip' : 'application/geo+json';
+    let stored: PlanReport;
     try {
-      setReport(await ask<PlanReport>(`/v1/buildings/${building.id}/plan?${query}`, { method: 'PUT', raw: file!, type }));
+      stored = await ask<PlanReport>(`/v1/buildings/${building.id}/plan?${query}`, { method: 'PUT', raw: file!, type });
+      setReport(stored);
     } catch (error) {
       // A plan with errors is refused with the same report.
       const refused = error instanceof Refusal ? (error.document as PlanReport | null) : null;
@@ -35,6 +37,7 @@ export function PlanImport() {
     if (dryRun) return;
     say('good', 'The plan is stored.');
     reload();
+    if (stored.floors[0]) setFloor(stored.floors[0].ordinal);
   };
   const errors = report?.checks.filter((check) => check.severity === 'error').length ?? 0;
   return (

@@ -10,9 +10,11 @@ import { Legend } from '../parts/legend';
 import { Empty, Facts, Fault, Loading, useDeed } from '../parts/parts';
 import { ago, count, metres } from '../parts/words';
 import { saveFile } from '../parts/save_file';
+import { useRoute } from '../route';
 import { errorScale, PlanPanel, useAccuracy, useHeat } from '../survey/accuracy_panel';
 import { nearestPoint, PointLayer } from '../survey/point_layer';
 import { usePoints, type SurveyedPoint } from '../survey/points';
+import { useResurvey } from '../survey/resurvey';
 import type { Transmitter } from '../wire/shapes';
 import type { Accuracy } from '../wire/map_shapes';
 import { useAnswer, type Asked } from '../wire/use_answer';
@@ -25,11 +27,14 @@ export function Survey() {
   const { building, floor, setFloor } = useBuilding();
   const { points, complete, fault } = usePoints(building.id, floor, building.survey_version);
   const [map, setMap] = useState<L.Map | null>(null);
-  const [colouring, setColouring] = useState<Colouring>('error');
-  const [bssid, setBssid] = useState('');
+  const wanted = useRoute().detail;                 // an access point's address
+  const [colouring, setColouring] = useState<Colouring>(wanted ? 'level' : 'error');
+  const [bssid, setBssid] = useState(wanted ?? '');
   const [chosen, setChosen] = useState<SurveyedPoint | null>(null);
   const layer = useLayer(map, (made) => new PointLayer(made));
   useEffect(() => setChosen(null), [floor]);
+
+  useResurvey(map, colouring === 'level' ? wanted : null);
 
   const most = Math.max(10, ...points.map((point) => point.heard.size));
   const accuracy = useAccuracy(colouring === 'error');
