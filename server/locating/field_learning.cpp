@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace wayfuse {
 namespace {
@@ -14,8 +15,11 @@ constexpr double kMostWeight = 100.0;
 constexpr float kCovered_m = 3.0f;       // a scan with no other walk this near cannot be told anything by the field
 constexpr double kIrrelevant = -16.0;
 constexpr double kAlike = 5.0;           // queries of one walk that say as much as one
+constexpr double kClear = 2.0;           // standard errors
 constexpr double kDelay_s = 1.5;         // of readings, before the survey is heard
 constexpr double kDelaySigma_s = 1.0;
+constexpr double kAlikeFits = 1e-9;
+constexpr std::size_t kGroups = 8;       // of walks, left out one at a time
 constexpr std::size_t kFewestQuestions = 10;  // fewer say nothing about errors
 
 struct Question {
@@ -23,6 +27,7 @@ struct Question {
   std::vector<BuildingPoint> points;     // of the nodes
   std::size_t truth = 0;
   BuildingPoint place;
+  int walk = 0;
   float least_distance = 1.0f;           // mean of the smallest to other walks
 };
 
@@ -62,6 +67,7 @@ bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch&
   question.nodes.clear();
   question.points.clear();
   question.place = query.place.point;
+  question.walk = query.walk;
   question.least_distance = least_distance(field, *storey, query.walk, scratch);
   for (std::uint32_t node = storey->first_node; node < end; ++node) {
     if (node == truth) question.truth = question.nodes.size();
@@ -122,54 +128,101 @@ struct Slope {
   }
 };
 
+double log_likelihood(const Question& question, const std::array<double, 2>& weight) {
+  double highest = -INFINITY, total = 0.0;
+  for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
+  for (const RadioField::Pair& pair : question.nodes) total += std::exp(level_of(pair, weight) - highest);
+  return level_of(question.nodes[question.truth], weight) - highest - std::log(total);
+}
+
+/// Every `step`-th query of a walk, the first one by the walk's number: what is asked hardly changes with the delay.
+std::vector<const SurveyQuery*> some_of(std::span<const SurveyQuery> queries, std::size_t most) {
+  const std::size_t step = std::max<std::size_t>(1, (queries.size() + most - 1) / most);
+  std::vector<const SurveyQuery*> some;
+  int walk = -1;
+  std::size_t number = 0;
+  for (const SurveyQuery& query : queries) {
+    if (query.walk != walk) walk = query.walk, number = static_cast<std::size_t>(walk);
+    if (number++ % step == 0) some.push_back(&query);
+  }
+  return some;
+}
+
+/// Absent where all fits are alike.
+std::optional<double> top_s(std::span<const double> delays_s, std::span<const double> fits) {
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(fits) - fits.begin());
+  const std::size_t middle = std::clamp<std::size_t>(best, 1, fits.size() - 2);
+  const double a = fits[middle - 1], b = fits[middle], c = fits[middle + 1];
+  const double bend = a - 2.0 * b + c;
+  if (fits[best] - std::ranges::min(fits) < kAlikeFits) return std::nullopt;
+  if (!(bend < 0.0)) return delays_s[best];
+  return std::clamp(delays_s[middle] + (delays_s[middle + 1] - delays_s[middle]) * (a - c) / (2.0 * bend), delays_s.front(), delays_s.back());
+}
+
 }  // namespace
 
-double log_fit(const RadioField& field, std::size_t most_queries) {
-  const std::size_t step = std::max<std::size_t>(1, field.queries().size() / most_queries);
-  const auto scratch = field.borrow();
-  const std::array<double, 2> weight = {field.weights().sorensen, field.weights().cosine};
-  Question question;
+double SurveyFit::total() const {
   double sum = 0.0;
-  std::size_t asked = 0;
-  for (std::size_t i = 0; i < field.queries().size(); i += step) {
-    if (!ask(field, field.queries()[i], *scratch, question)) continue;
-    double highest = -INFINITY, total = 0.0;
-    for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
-    for (const RadioField::Pair& pair : question.nodes) total += std::exp(level_of(pair, weight) - highest);
-    sum += level_of(question.nodes[question.truth], weight) - highest - std::log(total);
-    ++asked;
+  for (const double each : log_likelihood) sum += each;
+  return sum;
+}
+
+bool clearly_better(const SurveyFit& challenger, const SurveyFit& standard) {
+  const std::size_t walks = std::min(challenger.scans.size(), standard.scans.size());
+  std::vector<double> leads, scans;
+  double lead = 0.0, asked = 0.0;
+  for (std::size_t w = 0; w < walks; ++w) {
+    if (challenger.scans[w] == 0 || standard.scans[w] == 0) continue;
+    // Means times the scans there are: another delay may leave one more or one less of them on surveyed ground.
+    leads.push_back(standard.scans[w] * (challenger.log_likelihood[w] / challenger.scans[w] - standard.log_likelihood[w] / standard.scans[w]));
+    scans.push_back(standard.scans[w]);
+    lead += leads.back(), asked += scans.back();
   }
-  // A mean times the queries there are: another delay may leave one more or one less of them on surveyed ground.
-  return asked == 0 ? 0.0 : sum / static_cast<double>(asked) * static_cast<double>(field.queries().size()) / kAlike;
+  if (leads.size() < 2) return false;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < leads.size(); ++i) squares += std::pow(leads[i] - scans[i] * lead / asked, 2);
+  return lead > kClear * std::sqrt(squares * static_cast<double>(leads.size()) / static_cast<double>(leads.size() - 1));
 }
 
-double likeliest_delay_s(std::span<const double> delays_s, std::span<const double> fits) {
-  const auto score = [&](std::size_t i) { return fits[i] - std::pow((delays_s[i] - kDelay_s) / kDelaySigma_s, 2) / 2; };
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < fits.size(); ++i) best = score(i) > score(best) ? i : best;
-  const std::size_t middle = std::clamp<std::size_t>(best, 1, fits.size() - 2);
-  const double a = score(middle - 1), b = score(middle), c = score(middle + 1);
-  const double bend = a - 2.0 * b + c;
-  const double step_s = delays_s[middle + 1] - delays_s[middle];
-  if (!(bend < 0.0)) return delays_s[best];
-  return std::clamp(delays_s[middle] + step_s * (a - c) / (2.0 * bend), delays_s.front(), delays_s.back());
+double likeliest_delay_s(std::span<const double> delays_s, std::span<const SurveyFit> fits) {
+  const auto without = [&](std::size_t group) {
+    std::vector<double> means;
+    for (const SurveyFit& fit : fits) {
+      double sum = 0.0, scans = 0.0;
+      for (std::size_t w = 0; w < fit.scans.size(); ++w) {
+        if (w % kGroups != group) sum += fit.log_likelihood[w], scans += fit.scans[w];
+      }
+      means.push_back(sum / std::max(1.0, scans));
+    }
+    return top_s(delays_s, means);
+  };
+  const auto top = without(kGroups);
+  if (!top) return kDelay_s;
+  double squares = 0.0;
+  for (std::size_t group = 0; group < kGroups; ++group) {
+    const auto other = without(group);
+    if (!other) return kDelay_s;
+    squares += std::pow(*other - *top, 2);
+  }
+  const double variance_s2 = squares * (kGroups - 1) / kGroups;
+  const double trust = kDelaySigma_s * kDelaySigma_s / (kDelaySigma_s * kDelaySigma_s + variance_s2);
+  return kDelay_s + trust * (*top - kDelay_s);
 }
 
-FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
+Learnt learn_weights(const RadioField& field, std::size_t most_queries) {
   FieldWeights learnt = field.weights();
   const FieldWeights standard;
-  const std::size_t step = std::max<std::size_t>(1, field.queries().size() / most_queries);
   std::vector<Question> questions;
   std::vector<double> loudness;
+  SurveyFit fit;
   {
     const auto scratch = field.borrow();
     Question question;
-    for (std::size_t i = 0; i < field.queries().size(); i += step) {
-      const SurveyQuery& query = field.queries()[i];
-      if (!ask(field, query, *scratch, question)) continue;
+    for (const SurveyQuery* query : some_of(field.queries(), most_queries)) {
+      if (!ask(field, *query, *scratch, question)) continue;
       questions.push_back(question);
-      const auto storey = std::ranges::find(field.storeys(), query.place.floor, &RadioField::Storey::floor);
-      if (const auto ratio = field.loudness(query.heard, *storey, query.place.point, query.walk)) loudness.push_back(*ratio);
+      const auto storey = std::ranges::find(field.storeys(), query->place.floor, &RadioField::Storey::floor);
+      if (const auto ratio = field.loudness(query->heard, *storey, query->place.point, query->walk)) loudness.push_back(*ratio);
     }
   }
   std::array<double, 2> weight = {learnt.sorensen, learnt.cosine};
@@ -187,7 +240,13 @@ FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   }
   learnt.sorensen = weight[0];
   learnt.cosine = weight[1];
-  if (questions.size() < kFewestQuestions) return learnt;
+  for (const Question& question : questions) {
+    const auto walk = static_cast<std::size_t>(question.walk);
+    if (fit.scans.size() <= walk) fit.scans.resize(walk + 1), fit.log_likelihood.resize(walk + 1);
+    fit.scans[walk]++;
+    fit.log_likelihood[walk] += log_likelihood(question, weight);
+  }
+  if (questions.size() < kFewestQuestions) return {learnt, fit};
   if (loudness.size() >= kFewestQuestions) learnt.loudness = quantile(loudness, 0.5);
   std::vector<double> errors_m, distances;
   for (const Question& question : questions) {
@@ -196,7 +255,7 @@ FieldWeights learn_weights(const RadioField& field, std::size_t most_queries) {
   }
   learnt.resolution_m = std::clamp(quantile(errors_m, 0.68), 0.5, 50.0);
   learnt.usual_distance = std::max(0.02, quantile(distances, 0.5));
-  return learnt;
+  return {learnt, std::move(fit)};
 }
 
 }  // namespace wayfuse

@@ -63,6 +63,9 @@ class Locator {
   virtual double resolution_m() const { return 0.0; }
   /// Strong readings of the newest scan that nobody heard, or hardly, when surveying around `point` [SAFETY C26].
   virtual int implausible(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return 0; }
+  /// Of those, what honest radios do not explain: the rest of the scan denies them, or nobody ever surveyed them, or the scan fits
+  /// `point` and they do not; 0 where the scan fits nothing surveyed [SAFETY C26].
+  virtual int out_of_place(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return 0; }
   /// How much worse the newest scan fits around `point` than elsewhere in the building, as a distance in signal space; below 0 = it
   /// fits here best. Absent: the locator cannot tell, or too little was heard.
   virtual std::optional<double> misfit(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return std::nullopt; }

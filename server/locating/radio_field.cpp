@@ -18,8 +18,7 @@ constexpr int kFewestShared = 3;
 // Tried on the survey.
 constexpr std::array kDelays_s = {0.0, 1.0, 2.0, 3.0};
 constexpr std::array kPowers = {2.72, 1.6, 1.0};
-constexpr double kClearlyBetter = 2.0;       // log-likelihood by which another power must win
-constexpr std::size_t kQuickQueries = 200;
+constexpr std::size_t kQuickQueries = 500;  // fewer turn a map over by chance
 
 float median(std::vector<float>& values) {
   if (values.empty()) return 1.0f;
@@ -39,34 +38,37 @@ RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldS
   if (settings_.delay_s < 0.0 && settings_.learn) weights_.delay_s = learn_delay_s(read);
   read();
   if (!settings_.learn || queries_.empty()) return;
-  weights_ = learn_weights(*this);
+  weights_ = learn_weights(*this).weights;
   lay_lattice();
 }
 
-// The representation that explains the survey's own scans best, each judged with the weights it would get.
+// The representation that explains the survey's own scans best, each judged with the weights it would get. The first one stays
+// unless another is clearly better: a few scans more or less must not turn a building's whole map over.
 double RadioField::learn_power(const std::function<void()>& read) {
-  double best = 0.0, highest = -INFINITY;
+  double best = kPowers.front();
+  std::optional<SurveyFit> highest;
   const FieldWeights standard = weights_;
   for (const double power : kPowers) {
     settings_.strength.power = power;
     weights_ = standard;
     read();
-    weights_ = learn_weights(*this, kQuickQueries);
-    const double fit = log_fit(*this, kQuickQueries);
-    if (fit > highest + kClearlyBetter) best = power, highest = fit;
+    SurveyFit fit = learn_weights(*this, kQuickQueries).fit;
+    if (highest && !clearly_better(fit, *highest)) continue;
+    best = power;
+    highest = std::move(fit);
   }
   weights_ = standard;
   return best;
 }
 
 double RadioField::learn_delay_s(const std::function<void()>& read) {
-  std::array<double, kDelays_s.size()> fit;
-  for (std::size_t i = 0; i < kDelays_s.size(); ++i) {
-    weights_.delay_s = kDelays_s[i];
+  std::vector<SurveyFit> fits;
+  for (const double delay_s : kDelays_s) {
+    weights_.delay_s = delay_s;
     read();
-    fit[i] = log_fit(*this, kQuickQueries);
+    fits.push_back(learn_weights(*this, kQuickQueries).fit);
   }
-  return likeliest_delay_s(kDelays_s, fit);
+  return likeliest_delay_s(kDelays_s, fits);
 }
 
 std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<RadioFieldLocator>(shared_from_this()); }
@@ -93,6 +95,8 @@ void RadioField::index_fingerprints() {
   std::vector<LevelBlocks::Level> levels;
   sum_.assign(fingerprints_.size(), 0.0f);
   norm_.assign(fingerprints_.size(), 0.0f);
+  walk_.clear();
+  for (const SurveyFingerprint& fingerprint : fingerprints_) walk_.push_back(fingerprint.walk);
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     for (const RadioStrength& heard : fingerprints_[i].heard) {
       levels.push_back({i, heard.radio, heard.strength});
@@ -203,7 +207,7 @@ RadioField::Pair RadioField::node(std::uint32_t number, const Scratch& scratch, 
     }
   } else {
     for (const Kernel& kernel : kernels(number)) {
-      if (fingerprints_[kernel.fingerprint].walk == without_walk) continue;
+      if (walk_[kernel.fingerprint] == without_walk) continue;
       mass += kernel.mass;
       sorensen += kernel.mass * scratch.common[kernel.fingerprint];
       cosine += kernel.mass * scratch.product[kernel.fingerprint];

@@ -124,6 +124,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   std::vector<Storey> storeys_;
   std::vector<float> sum_;                       // a fingerprint; then up to a whole block
   std::vector<float> norm_;
+  std::vector<int> walk_;                        // a fingerprint
   LevelBlocks blocks_;                           // strengths, fingerprints x radios
   std::vector<std::uint32_t> first_kernel_;      // a node, and one past the end
   std::vector<Kernel> kernels_;

@@ -12,6 +12,8 @@ constexpr double kWellHeardDbm = -80.0;
 constexpr double kAround_m = 25.0;
 constexpr int kEnoughToPlace = 8;        // radios: a scan of fewer may lie anywhere
 constexpr double kFitsSurvey = 1.8;      // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
+constexpr double kFitsWell = 1.4;        // the place can be believed, and what is not at home around it told
+constexpr double kFitsNothing = 2.2;     // the rest of such a scan denies nothing
 constexpr std::size_t kFewestToDeny = 5; // weak radios that must speak before a strong one is denied
 constexpr float kVagueDistance = 0.75f;  // Sorensen: the rest of the scan fits nothing and denies nothing
 constexpr double kFaintest_db = 10.0;      // above -100 dBm: quieter scans say nothing about loudness
@@ -220,6 +222,13 @@ int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) cons
   });
   const auto unknown = std::ranges::count(strong_, std::optional<std::uint32_t>{});
   return static_cast<int>(std::max(here, unknown + misplaced_));
+}
+
+// Where nobody surveyed, strong radios are not at home around any match: that is the survey's fault, not theirs.
+int RadioFieldLocator::out_of_place(FloorOrdinal floor, BuildingPoint point) const {
+  if (mismatch_ > kFitsNothing) return 0;
+  if (mismatch_ < kFitsWell) return implausible(floor, point);
+  return static_cast<int>(std::ranges::count(strong_, std::optional<std::uint32_t>{})) + misplaced_;
 }
 
 std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoint point) const {

@@ -30,6 +30,7 @@ class RadioFieldLocator final : public Locator {
   double mismatch() const override { return mismatch_; }
   double resolution_m() const override { return field_->weights().resolution_m; }
   int implausible(FloorOrdinal floor, BuildingPoint point) const override;
+  int out_of_place(FloorOrdinal floor, BuildingPoint point) const override;
   std::optional<double> misfit(FloorOrdinal floor, BuildingPoint point) const override;
   void rest() override;
   void learn(const RssScan& scan, const Place& fused) override;

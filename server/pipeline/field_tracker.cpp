@@ -220,14 +220,16 @@ double FieldTracker::news() const {
 void FieldTracker::take_stock(const RssScan& scan, BuildingPoint carried) {
   mismatch_ = heard_scans_ == 1 ? locator_->mismatch() : kDoubtMemory * mismatch_ + (1.0 - kDoubtMemory) * locator_->mismatch();
   implausible_ = 0;
+  int out_of_place = 0;
   if (cloud_.started()) {
     const WalkerCloud::Spread now = cloud_.spread();
     const Place heard_at{minus(now.mean, carried), *floor_};
     implausible_ = locator_->implausible(heard_at.floor, heard_at.point);
+    out_of_place = locator_->out_of_place(heard_at.floor, heard_at.point);
     const bool settled = now.covariance.xx_m2 + now.covariance.yy_m2 < kSettled_m * kSettled_m;
     if (settled && scans_at_rest_ <= kScansAtRest) locator_->learn(scan, heard_at);
   }
-  watch_.count_strong(implausible_, *newest_);
+  watch_.count_strong(out_of_place, *newest_);
 }
 
 // Before the scan is weighed: does it fit where the track is? True when scans have gone elsewhere for good: a phone that was
