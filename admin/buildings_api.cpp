@@ -78,8 +78,8 @@ void create_building(DatabaseDirectory& databases, ServerControl& server, const 
   if (const auto known = known_pipeline(*building, server); !known) return respond(problem(known.fault()));
   databases.create_building(std::move(*building), [&databases, &server, respond](Result<BuildingRecord> created) {
     if (!created) return respond(problem(created.fault()));
-    server.building_changed(created->id);
-    answer_with_building(databases, server, created->id, 201, respond);
+    // Who reads 201 begins a session at once.
+    server.building_made(created->id, [&databases, &server, id = created->id, respond] { answer_with_building(databases, server, id, 201, respond); });
   });
 }
 

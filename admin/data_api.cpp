@@ -112,10 +112,13 @@ void restore(DataRooms rooms, const Request& request, Respond respond) {
   rooms.databases.restore_building(file, [rooms, remove, respond](Result<BuildingRecord> restored) {
     remove();
     if (!restored) return respond(problem(restored.fault()));
-    rooms.changed(restored->id);
-    Response response = json_response(201, to_json(*restored, 0, 0));
-    response.headers["location"] = "/v1/buildings/" + std::to_string(restored->id.value);
-    respond(std::move(response));
+    rooms.zones.zones_changed(restored->id);
+    rooms.webhooks.webhooks_changed(restored->id);
+    rooms.server.building_made(restored->id, [record = *restored, respond] {
+      Response response = json_response(201, to_json(record, 0, 0));
+      response.headers["location"] = "/v1/buildings/" + std::to_string(record.id.value);
+      respond(std::move(response));
+    });
   });
 }
 

@@ -45,6 +45,8 @@ class ServerControl {
   virtual Result<std::string> preset_json(const std::string& name) const = 0;
   /// A building was created or its description or survey changed: rebuild its snapshot off the callers' threads.
   virtual void building_changed(BuildingId building) = 0;
+  /// A building was made or put back: `served` is called when its first snapshot is in force or could not be made, on any thread.
+  virtual void building_made(BuildingId building, std::function<void()> served) = 0;
   /// Version of the snapshot in force; 0 = none.
   virtual std::uint64_t radio_map_version(BuildingId building) const = 0;
 };

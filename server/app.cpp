@@ -257,6 +257,10 @@ void App::building_changed(BuildingId building) {
   keeper_.refresh(building);
 }
 
+void App::building_made(BuildingId building, std::function<void()> served) {
+  keeper_.refresh(building, std::move(served));
+}
+
 std::uint64_t App::radio_map_version(BuildingId building) const {
   const auto snapshot = shelf_.find(building);
   return snapshot ? snapshot->map_version() : 0;

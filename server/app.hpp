@@ -63,6 +63,7 @@ class App final : public ServerControl, public SessionControl {
   std::vector<std::string> presets() const override;
   Result<std::string> preset_json(const std::string& name) const override;
   void building_changed(BuildingId building) override;
+  void building_made(BuildingId building, std::function<void()> served) override;
   std::uint64_t radio_map_version(BuildingId building) const override;
 
   // ---- SessionControl

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
+#include <utility>
 
 #include "server/buildings/walk_placing.hpp"
 #include "server/pipeline/corrector.hpp"
@@ -31,6 +33,22 @@ void BuildingKeeper::refresh(BuildingId id) {
     }
   }
   begin(id);
+}
+
+void BuildingKeeper::refresh(BuildingId id, std::function<void()> ended) {
+  bool going = true;
+  {
+    const std::lock_guard lock(mutex_);
+    going = !stopped_;
+    if (going) {
+      due_.erase(id);
+      const auto [work, fresh] = working_.try_emplace(id);
+      work->second.again = !fresh;
+      (fresh ? work->second.waiting : work->second.next).push_back(std::move(ended));
+      if (!fresh) return;
+    }
+  }
+  going ? begin(id) : ended();
 }
 
 void BuildingKeeper::tick() {
@@ -198,24 +216,32 @@ void BuildingKeeper::made_a_version(BuildingId id) {
 }
 
 void BuildingKeeper::done(BuildingId id, std::optional<Fault> fault) {
-  {
-    const std::lock_guard lock(mutex_);
-    ++rebuilds_;
-    once_done_.insert(id);
-    settled_.notify_all();
-    if (fault) {
-      failures_[id] = *std::move(fault);
-    } else {
-      failures_.erase(id);
-    }
-    Work& work = working_.at(id);
-    if (!work.again || stopped_) {
-      working_.erase(id);
-      return;
-    }
-    work.again = false;
+  std::vector<std::function<void()>> waited;
+  const bool again = conclude_round(id, std::move(fault), waited);
+  for (const auto& ended : waited) ended();
+  if (again) begin(id);
+}
+
+// Answers whether another round is to begin; who waited for this one is handed over, to be told without the mutex.
+bool BuildingKeeper::conclude_round(BuildingId id, std::optional<Fault> fault, std::vector<std::function<void()>>& waited) {
+  const std::lock_guard lock(mutex_);
+  ++rebuilds_;
+  once_done_.insert(id);
+  settled_.notify_all();
+  if (fault) {
+    failures_[id] = *std::move(fault);
+  } else {
+    failures_.erase(id);
   }
-  begin(id);
+  Work& work = working_.at(id);
+  waited = std::exchange(work.waiting, std::exchange(work.next, {}));
+  const bool again = work.again && !stopped_;
+  work.again = false;
+  if (!again) {
+    std::ranges::move(work.waiting, std::back_inserter(waited));  // there is no round after this one
+    working_.erase(id);
+  }
+  return again;
 }
 
 void BuildingKeeper::stop() {

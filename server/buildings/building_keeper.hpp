@@ -45,6 +45,9 @@ class BuildingKeeper {
   BuildingKeeper(DatabaseDirectory& store, BuildingShelf& shelf, Run run) : BuildingKeeper(store, shelf, std::move(run), Settings{}) {}
 
   void refresh(BuildingId id);
+  /// The same at once, however new the newest version is; `ended` is called when a round that began after this call has ended, well
+  /// or not, on whatever thread ended it; after stop() at once.
+  void refresh(BuildingId id, std::function<void()> ended);
   /// Refreshes what has waited long enough; about once a second.
   void tick();
   /// No new reads from here on; what is being built is finished.
@@ -62,6 +65,8 @@ class BuildingKeeper {
  private:
   struct Work {
     bool again = false;
+    std::vector<std::function<void()>> waiting = {};  ///< for the end of the round under way
+    std::vector<std::function<void()>> next = {};     ///< for the one after it
   };
   /// What one round read: the live version, and a candidate where one is to be judged.
   struct Round {
@@ -82,6 +87,7 @@ class BuildingKeeper {
   void keep(const Building& building, const std::string& stored);
   void prepare(const Building& building) const;
   void done(BuildingId id, std::optional<Fault> fault);
+  bool conclude_round(BuildingId id, std::optional<Fault> fault, std::vector<std::function<void()>>& waited);
   UnixTime wall_now() const { return settings_.wall_now ? settings_.wall_now() : UnixTime{}; }
 
   DatabaseDirectory& store_;

@@ -52,6 +52,10 @@ class RunningApi {
       return Fault{FaultCode::kUnknownName, "pipeline", "'" + name + "' is none of default, p1"};
     }
     void building_changed(BuildingId building) override { changed.push_back(building); }
+    void building_made(BuildingId building, std::function<void()> served) override {
+      changed.push_back(building);
+      served();
+    }
     std::uint64_t radio_map_version(BuildingId) const override { return 7; }
 
     bool ready = true;

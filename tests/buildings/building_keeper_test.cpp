@@ -86,6 +86,31 @@ TEST_F(KeptBuilding, TheFirstSurveyWorksAtOnceWithoutCeremony) {
   EXPECT_THAT(publications()[0].reason, HasSubstr("survey version 1"));
 }
 
+TEST_F(KeptBuilding, WhoMadeItIsToldWhenItIsServed) {
+  std::vector<std::function<void()>> later;
+  keeper = std::make_unique<BuildingKeeper>(*store, shelf, [&](std::function<void()> task) { later.push_back(std::move(task)); }, settings);
+  std::vector<std::string> told;
+  const auto tell = [&](const char* what) {
+    return [&told, what, this] { told.push_back(what + std::string(shelf.find(id) ? ", served" : ", not served")); };
+  };
+  const auto run_next = [&later] {
+    const auto task = std::move(later.front());
+    later.erase(later.begin());
+    task();
+  };
+  keeper->refresh(id, tell("first"));
+  keeper->refresh(id, tell("second"));   // what the first round read may be older than this call
+  EXPECT_THAT(told, testing::IsEmpty());
+  run_next();
+  EXPECT_THAT(told, testing::ElementsAre("first, served"));
+  run_next();
+  EXPECT_THAT(told, testing::ElementsAre("first, served", "second, served"));
+  EXPECT_THAT(later, testing::SizeIs(0));
+  keeper->stop();
+  keeper->refresh(id, tell("late"));
+  EXPECT_EQ(told.back(), "late, served");
+}
+
 TEST_F(KeptBuilding, TheSameSurveyIsTheSameVersionWithTheSameHash) {
   survey("a", 5);
   RadioMapRecord first;

@@ -43,15 +43,6 @@ class AnyServer : public testing::Test {
     const std::string mark = "\"id\":";
     building = std::strtoull(answer.body.c_str() + answer.body.find(mark) + mark.size(), nullptr, 10);
     ASSERT_GT(building, 0u) << answer.body;
-    // Made is not yet served: the snapshot is put on the shelf off-strand.
-    bool served = false;
-    for (int i = 0; i < 10'000 && !served; ++i) {
-      RawWebsocket probe(where(), key);
-      probe.send(hello(Role::kTrack, building));
-      served = probe.expect<Welcome>().has_value();
-      if (served && probe.send(Goodbye{"served"})) probe.close_code();
-    }
-    ASSERT_TRUE(served) << name << " is not served";
   }
   static Plan hall() { return Plan({"A....B....C", "...........", "D....E....F"}, 4.0); }
   static Hello hello(Role role, std::uint64_t asked) {

@@ -108,6 +108,16 @@ TEST_F(Sessions, ResumeAfterABrokenConnection) {
   EXPECT_EQ(welcome->applied_through, 3u);
 }
 
+TEST_F(Sessions, BeginInABuildingAsSoonAsItsMakingIsAnswered) {
+  start();
+  for (int i = 0; i < 20; ++i) {
+    make_building("Hall " + std::to_string(i));
+    RawWebsocket phone(where(), key);
+    phone.send(hello(Role::kTrack, building));
+    ASSERT_TRUE(phone.expect<Welcome>()) << "building " << building << " was made and is not served";
+  }
+}
+
 TEST_F(Sessions, APhoneTracksOnTokensItRenewsAndNotBeyond) {
   start();
   make_building("Hall");
