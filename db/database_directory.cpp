@@ -105,6 +105,14 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     return on_writer<std::uint64_t>([&] { return server_.forget_audit(before); });
   }
 
+  void note_answered(std::string name, std::optional<AnsweredPost> record, UnixTime oldest, std::function<void(Result<void>)> done) override {
+    const auto change = std::make_shared<AnsweredPostChange>(AnsweredPostChange{std::move(name), std::move(record)});
+    if (!queue_.post(std::nullopt, [this, change, oldest, done] { done(server_.note_answered({*change}, oldest)); })) done(closed());
+  }
+  Result<std::vector<AnsweredPost>> answered_posts() override {
+    return on_writer<std::vector<AnsweredPost>>([&] { return server_.answered_posts(); });
+  }
+
   void close() override {
     queue_.stop();
     databases_.clear();  // the last connection to a database checkpoints its log

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "db/answered_post.hpp"
 #include "db/audit_record.hpp"
 #include "db/building_database.hpp"
 
@@ -81,6 +82,11 @@ class DatabaseDirectory {
   virtual Result<std::vector<AuditRecord>> audited(const AuditQuery& query) = 0;
   /// Retention: forgets older lines, answers how many.
   virtual Result<std::uint64_t> forget_audit(UnixTime before) = 0;
+
+  /// Writes down a POST that is to happen once, replacing what was known of it; without a record it is forgotten. In order; what began
+  /// before `oldest` goes. `done` runs once it is durable.
+  virtual void note_answered(std::string name, std::optional<AnsweredPost> record, UnixTime oldest, std::function<void(Result<void>)> done) = 0;
+  virtual Result<std::vector<AnsweredPost>> answered_posts() = 0;   ///< ascending by time
 
   /// Finishes what is queued, checkpoints, closes. Every later call is answered kDraining, on the caller's thread.
   virtual void close() = 0;

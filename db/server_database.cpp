@@ -138,4 +138,10 @@ Result<std::uint64_t> ServerDatabase::forget_audit(UnixTime before) {
   return run([&](SqliteConnection& connection) { return wayfuse::forget_audit(connection, before); });
 }
 
+Result<void> ServerDatabase::note_answered(const std::vector<AnsweredPostChange>& changes, UnixTime oldest) {
+  return run([&](SqliteConnection& connection) { write_answered_posts(connection, changes, oldest); });
+}
+
+Result<std::vector<AnsweredPost>> ServerDatabase::answered_posts() { return run(read_answered_posts); }
+
 }  // namespace wayfuse

@@ -120,6 +120,7 @@ Result<void> App::open() {
   if (!keys) return keys.fault();
   keys_ = *std::move(keys);
   audit_ = std::make_unique<AuditTrail>(*store_, clock_);
+  if (const auto loaded = ledger_.load(); !loaded) return loaded;
   router_ = std::make_unique<Router>(*keys_, audit_.get(), &ledger_);
   add_building_routes(*router_, *store_, *this);
   add_survey_routes(*router_, *store_, *this);

@@ -83,7 +83,7 @@ class App final : public ServerControl, public SessionControl {
   std::unique_ptr<DatabaseDirectory> store_;
   std::unique_ptr<KeyRing> keys_;
   std::unique_ptr<AuditTrail> audit_;
-  IdempotencyLedger ledger_{clock_};
+  IdempotencyLedger ledger_{*store_, clock_};
   std::string first_key_;
   WorkerPool workers_;
   BuildingShelf shelf_;

@@ -100,7 +100,7 @@ class RunningApi {
     if (!ring) throw std::runtime_error(to_string(ring.fault()));
     keys = std::move(*ring);
     audit = std::make_unique<AuditTrail>(*store, clock);
-    ledger = std::make_unique<IdempotencyLedger>(clock);
+    ledger = std::make_unique<IdempotencyLedger>(*store, clock);
     router = std::make_unique<Router>(*keys, audit.get(), ledger.get());
     zones = std::make_unique<ZoneWatch>(*store, clock, 1000, ZoneRules{});
     add_building_routes(*router, *store, server);
