@@ -26,6 +26,7 @@ std::string to_json(const std::vector<BuildingRecord>& buildings);
 /// A page of points; `next` is the id to go on after, 0 = this was the last page.
 std::string to_json(const std::vector<StoredPoint>& points, std::uint64_t next);
 /// One row a reading, with a header line.
+std::string to_json(const std::vector<UploadRecord>& uploads, std::uint64_t next);
 std::string points_csv_header();
 std::string to_csv(const StoredPoint& point);
 /// One feature a point (RFC 7946). Precondition: the building is georeferenced.

@@ -42,6 +42,17 @@ void page(DatabaseDirectory& databases, BuildingId id, const PointQuery& query, 
   });
 }
 
+void list_uploads(DatabaseDirectory& databases, BuildingId id, const Request& request, Respond respond) {
+  const auto page = page_in(request);
+  if (!page) return respond(problem(page.fault()));
+  databases.with_building(id, [page = *page, respond](Result<BuildingDatabase*> database) {
+    if (!database) return respond(problem(database.fault()));
+    const auto uploads = (*database)->uploads(page.after, page.most);
+    if (!uploads) return respond(problem(uploads.fault()));
+    respond(json_response(200, to_json(*uploads, uploads->size() == page.most ? uploads->back().id : 0)));
+  });
+}
+
 // Calls `each` for every stored point in order of id.
 Result<void> for_every_point(BuildingDatabase& database, PointQuery query, const std::function<void(const StoredPoint&)>& each) {
   query.most = kPerExportStep;
@@ -127,6 +138,8 @@ void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerContr
               reading_points(databases, export_csv)});
   router.add({"GET", "/v1/buildings/{building}/points.geojson", Scope::kAdmin, "All reference points as GeoJSON",
               reading_points(databases, export_geojson)});
+  router.add({"GET", "/v1/buildings/{building}/uploads", Scope::kSurvey, "Survey batches that are stored, a page at a time",
+              on_building([&](BuildingId id, const Request& request, Respond respond) { list_uploads(databases, id, request, std::move(respond)); })});
   router.add({"GET", "/v1/buildings/{building}/transmitters", Scope::kAdmin, "Access points as the survey heard them",
               [&](const Request&, const PathValues& path, Respond respond) {
                 const auto id = building_in(path);

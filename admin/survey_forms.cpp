@@ -1,4 +1,4 @@
-#include <cstdio>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "admin/json_forms.hpp"
@@ -9,15 +9,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
+  char text[32];  // the shortest spelling that reads back as the same number
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-// RFC 4180; a leading =, +, - or @ would be run as a formula by spreadsheets, so such a text is quoted with an apostrophe.
+// RFC 4180; a leading =, +, - or @ would be run as a formula by spreadsheets, so such a text is quoted with an apostrophe, and so is
+// one that begins with an apostrophe: whoever reads takes one away.
 std::string csv_text(const std::string& text) {
   std::string quoted = "\"";
-  if (!text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos) quoted += '\'';
+  if (!text.empty() && std::string_view("=+-@'").find(text[0]) != std::string_view::npos) quoted += '\'';
   for (const char c : text) {
     if (c == '"') quoted += '"';
     quoted += c;
@@ -62,8 +62,18 @@ std::string to_json(const std::vector<StoredPoint>& points, std::uint64_t next) 
   return json.dump();
 }
 
+std::string to_json(const std::vector<UploadRecord>& uploads, std::uint64_t next) {
+  Json items = Json::array();
+  for (const UploadRecord& upload : uploads) {
+    items.push_back({{"id", upload.id}, {"idempotency_key", upload.idempotency_key}, {"points", upload.points}, {"survey_version", upload.survey_version}});
+  }
+  Json json{{"items", std::move(items)}};
+  if (next != 0) json["next"] = next;
+  return json.dump();
+}
+
 std::string points_csv_header() {
-  return "point,x_m,y_m,floor,sigma_m,device_model,walk,surveyed_at_us,scan,scan_time_us,bssid,rss_dbm,age_us,frequency_mhz\r\n";
+  return "point,x_m,y_m,floor,sigma_m,device_model,walk,surveyed_at_us,scan,scan_time_us,bssid,rss_dbm,age_us,frequency_mhz,range_m,range_sigma_m\r\n";
 }
 
 std::string to_csv(const StoredPoint& stored) {
@@ -74,10 +84,12 @@ std::string to_csv(const StoredPoint& stored) {
                            std::to_string(point.surveyed_at.time_since_epoch().count()) + ',';
   std::string rows;
   for (std::size_t i = 0; i < point.scans.size(); ++i) {
+    const std::string scan = head + std::to_string(i) + ',' + std::to_string(point.scans[i].time.time_since_epoch().count()) + ',';
+    if (point.scans[i].readings.empty()) rows += scan + ",,,,,\r\n";  // it heard nothing, which says something
     for (const ScanReading& reading : point.scans[i].readings) {
-      rows += head + std::to_string(i) + ',' + std::to_string(point.scans[i].time.time_since_epoch().count()) + ',' +
-              to_string(reading.bssid) + ',' + number_text(reading.rss_dbm) + ',' +
-              std::to_string(reading.age.count()) + ',' + std::to_string(reading.frequency_mhz) + "\r\n";
+      rows += scan + to_string(reading.bssid) + ',' + number_text(reading.rss_dbm) + ',' + std::to_string(reading.age.count()) + ',' +
+              std::to_string(reading.frequency_mhz) + ',' + (reading.range_m ? number_text(*reading.range_m) : "") + ',' +
+              (reading.range_sigma_m ? number_text(*reading.range_sigma_m) : "") + "\r\n";
     }
   }
   return rows;
@@ -85,8 +97,8 @@ std::string to_csv(const StoredPoint& stored) {
 
 std::string to_geojson_feature(const StoredPoint& stored, const Georeference& georeference) {
   const GeoPoint geo = georeference.to_geo(stored.point.place.point);
-  std::size_t readings = 0;
-  for (const RssScan& scan : stored.point.scans) readings += scan.readings.size();
+  Json scans = Json::array();
+  for (const RssScan& scan : stored.point.scans) scans.push_back(to_json(scan));
   const Json feature{{"type", "Feature"},
                      {"id", stored.id},
                      {"geometry", {{"type", "Point"}, {"coordinates", {geo.longitude_deg, geo.latitude_deg}}}},
@@ -97,8 +109,8 @@ std::string to_geojson_feature(const StoredPoint& stored, const Georeference& ge
                        {"sigma_m", stored.point.sigma_m},
                        {"device_model", stored.point.device_model},
                        {"walk", stored.point.walk},
-                       {"scans", stored.point.scans.size()},
-                       {"readings", readings}}}};
+                       {"surveyed_at_us", stored.point.surveyed_at.time_since_epoch().count()},
+                       {"scans", std::move(scans)}}}};
   return feature.dump();
 }
 

@@ -201,6 +201,10 @@ Result<std::uint64_t> BuildingDatabase::count_points() {
   });
 }
 
+Result<std::vector<UploadRecord>> BuildingDatabase::uploads(std::uint64_t after, std::uint32_t most) {
+  return connection_->run([&](SqliteConnection& sqlite) { return read_uploads(sqlite, after, most); });
+}
+
 Result<std::vector<TransmitterRecord>> BuildingDatabase::transmitters() { return connection_->run(read_transmitters); }
 
 Result<SurveyAck> BuildingDatabase::store_walk_part(const WalkPartDraft& part) {

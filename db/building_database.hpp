@@ -55,6 +55,14 @@ struct PointQuery {
   std::optional<std::uint64_t> through_version = {};  ///< only what the survey held at that version (but for what was erased)
 };
 
+/// A survey batch that is stored.
+struct UploadRecord {
+  std::uint64_t id = 0;
+  std::string idempotency_key;
+  std::uint64_t points = 0;              ///< that it brought; some may be erased since
+  std::uint64_t survey_version = 0;      ///< that it made
+};
+
 /// Which points to take out: all that fit every condition given. None given = no point at all.
 struct EraseQuery {
   std::optional<std::uint64_t> point_id = {};
@@ -102,6 +110,8 @@ class BuildingDatabase {
 
   Result<std::vector<StoredPoint>> points(const PointQuery& query);
   Result<std::uint64_t> count_points();
+  /// Batches with ids beyond `after`, ascending, at most `most`.
+  Result<std::vector<UploadRecord>> uploads(std::uint64_t after, std::uint32_t most);
   Result<std::vector<TransmitterRecord>> transmitters();
 
   /// Keeps a part of a recorded walk; its scans are not among the points before they are placed. Faults: kIdempotencyConflict;

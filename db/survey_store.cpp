@@ -216,6 +216,17 @@ std::vector<StoredPoint> read_points(SqliteConnection& connection, const PointQu
   return points;
 }
 
+std::vector<UploadRecord> read_uploads(SqliteConnection& connection, std::uint64_t after, std::uint32_t most) {
+  std::vector<UploadRecord> uploads;
+  Statement select = connection.prepare("SELECT id, idempotency_key, stored, survey_version FROM upload WHERE id > ? ORDER BY id LIMIT ?");
+  select.bind(1, static_cast<std::int64_t>(after)).bind(2, std::int64_t{most});
+  while (select.step()) {
+    uploads.push_back({static_cast<std::uint64_t>(select.integer(0)), std::string(select.text(1)), static_cast<std::uint64_t>(select.integer(2)),
+                       static_cast<std::uint64_t>(select.integer(3))});
+  }
+  return uploads;
+}
+
 std::vector<TransmitterRecord> read_transmitters(SqliteConnection& connection) {
   Statement select = connection.prepare("SELECT bssid, frequency_mhz, readings, strongest_dbm FROM transmitter ORDER BY bssid");
   std::vector<TransmitterRecord> transmitters;

@@ -16,6 +16,7 @@ std::vector<Result<SurveyAck>> store_batches(SqliteConnection& connection, const
 std::uint64_t erase_points(SqliteConnection& connection, const EraseQuery& query);
 
 std::vector<StoredPoint> read_points(SqliteConnection& connection, const PointQuery& query);
+std::vector<UploadRecord> read_uploads(SqliteConnection& connection, std::uint64_t after, std::uint32_t most);
 std::vector<TransmitterRecord> read_transmitters(SqliteConnection& connection);
 
 }  // namespace wayfuse

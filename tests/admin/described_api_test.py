@@ -103,6 +103,7 @@ def a_survey_becomes_a_map(api, v):
     api.replace_building(v, body={**described, "publication": "reviewed"})
     assert api.upload_points(v)["stored"] == 2
     assert api.upload_points(v, body=survey("corridor"))["stored"] == 10
+    assert [each["points"] for each in api.list_uploads(v)["items"]] == [2, 10]
     page = api.list_points({**v, "most": 5})  # floor 0, as `v` has it: not the two of the example
     assert len(page["points"]) == 5 and len(api.list_points({**v, "after": page["next"]})["points"]) == 5
     assert api.points_csv(v).count(b"\r\n") == 1 + 10 * 3 * 2

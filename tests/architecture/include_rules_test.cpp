@@ -26,6 +26,7 @@ const std::map<std::string, Rooms>& allowed() {
       {"sdk/simulator", {"vocabulary", "wire", "sdk/motion", "sdk/client"}},
       {"db", {"vocabulary", "wire"}},
       {"admin", {"vocabulary", "wire", "db", "admin/plan"}},
+      {"admin/cli", {"vocabulary", "wire", "sdk/client"}},  // it surveys: files of other people's phones, in the SDK's batches
       {"admin/plan", {"vocabulary"}},
       {"server/locating", {"vocabulary"}},
       {"server/tracking", {"vocabulary"}},

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "sdk/src/recording/import/attitude_trial.hpp"
-#include "tests/evaluation/datasets/fingerprint_table.hpp"
+#include "sdk/src/recording/import/fingerprint_table.hpp"
 #include "tests/evaluation/datasets/floor_map.hpp"
 #include "tests/evaluation/datasets/levels_table.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
@@ -186,6 +186,13 @@ TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
   const auto bad = read_uji(write("b.csv", "WAP001,LONGITUDE,LATITUDE,FLOOR\n-50,1,2,0\n-500,1,2,0\n"));
   ASSERT_FALSE(bad);
   EXPECT_NE(bad.fault().field.find("b.csv:3"), std::string::npos);
+  std::vector<BadRow> rows;
+  const auto rest = read_uji((folder_ / "b.csv").string(), &rows);
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(rest->scans.size(), 1u);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].line, 3);
+  EXPECT_EQ(rows[0].column, "WAP001");
 }
 
 // Three scans over two access points: (-50, not heard), (not heard, -60), (-40, -41), on floors 0, 1 and 2 of a house.

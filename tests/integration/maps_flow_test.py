@@ -29,9 +29,9 @@ class House:
 
     def run(self, *arguments, body=None):
         """The command line's status and what it said."""
-        done = subprocess.run([self.programs.cli, *arguments], input=None if body is None else json.dumps(body), capture_output=True,
-                              text=True, env=self.environment)
-        return done.returncode, done.stdout, done.stderr
+        done = subprocess.run([self.programs.cli, *arguments], input=None if body is None else json.dumps(body).encode(), capture_output=True,
+                              env=self.environment)
+        return done.returncode, done.stdout.decode(), done.stderr.decode()
 
     def ask(self, *arguments, body=None):
         status, said, complaint = self.run("--json", *arguments, body=body)
@@ -148,6 +148,30 @@ def survey_says_what_it_promises(house):
     assert status != 0 and "neither surveyed nor drawn" in complaint, complaint
 
 
+def survey_moves_as_a_file(house):
+    """Every format the server writes is read back to the same bytes; a second time nothing is uploaded; one bad row keeps all back."""
+    described = {**house.world, "georeference": {"origin": {"latitude_deg": 47.3769, "longitude_deg": 8.5417}, "y_axis_azimuth_deg": 12.5},
+                 "publication": "reviewed"}
+    house.ask("building", "replace", house.building, "-", body=described)
+    for format in ("csv", "geojson"):
+        _, exported, _ = house.run("survey", "export", house.building, "--format", format)
+        file, copy = f"{house.folder}/points.{format}", str(house.ask("building", "create", "-", body=described)["id"])
+        with open(file, "w", newline="") as out:
+            out.write(exported)
+        told = house.ask("survey", "import", copy, file)
+        assert told["uploaded"] == told["batches"] > 1 and told["points"] == house.ask("building", "show", copy)["points"], told
+        assert house.run("survey", "export", copy, "--format", format)[1] == exported, f"{format} came back otherwise"
+        assert house.ask("survey", "import", copy, file)["already_there"] == told["batches"]
+        print(format, "carried", told["points"], "points in", told["batches"], "batches")
+    with open(f"{house.folder}/bad.csv", "w") as out:
+        out.write("x_m,y_m,floor,bssid,rss_dbm\n1,2,0,00:1b:2c:00:00:01,-61\n1,2,0,00:1b:2c:00:00:02,loud\n")
+    before = house.ask("building", "show", copy)["points"]
+    status, _, complaint = house.run("survey", "import", copy, f"{house.folder}/bad.csv")
+    assert status != 0 and "bad.csv:3: rss_dbm: 'loud' is not a number" in complaint and "nothing was uploaded" in complaint, complaint
+    status, said, _ = house.run("survey", "import", copy, f"{house.folder}/bad.csv", "--skip-bad")
+    assert status == 0 and "1 rows left out" in said and house.ask("building", "show", copy)["points"] == before + 1, said
+
+
 def access_points_are_trusted_by_hand(house):
     bssid = house.ask("survey", "transmitters", house.building)["transmitters"][0]["bssid"]
     told = house.ask("ap", "trust", house.building, bssid, "never")
@@ -175,6 +199,7 @@ def main():
         quality_walks_measure_it(house)
         worse_maps_are_refused(house)
         survey_says_what_it_promises(house)
+        survey_moves_as_a_file(house)
         access_points_are_trusted_by_hand(house)
         metrics_tell(house)
     finally:

@@ -1,7 +1,9 @@
 #include "wayfuse/sdk/surveyor.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "sdk/src/client/point_batches.hpp"
 #include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse {
@@ -11,10 +13,6 @@ constexpr std::size_t kBatchBytes = 60 * 1024;  // of points, as JSON; the rest 
 
 Fault misused(const char* cause) {
   return {FaultCode::kUnexpectedMessage, "walk", cause};
-}
-
-std::size_t json_bytes(const ReferencePoint& point) {
-  return encode(ClientMessage(SurveyBatch{"k", {point}}), Encoding::kJson).size();
 }
 
 /// Cuts a recorded walk into parts, each within the limits of a message.
@@ -70,7 +68,7 @@ Surveyor::Surveyor(std::string device_model, Random random) : device_model_(std:
 Result<void> Surveyor::add_point(Place place, double sigma_m, std::vector<RssScan> scans, UnixTime at) {
   ReferencePoint point{place, sigma_m, device_model_, {}, at, std::move(scans)};
   if (auto checked = check(point, "point"); !checked) return checked;
-  keep(std::move(point));
+  wayfuse::add_point(std::move(point), points_);
   return {};
 }
 
@@ -172,32 +170,8 @@ void Surveyor::place_scan(const RssScan& scan, UnixTime at) {
       continue;
     }
     const UnixTime heard_at = at - (scan.time - heard.scan.time);
-    keep({spot->place, spot->sigma_m, device_model_, walk_, heard_at, {std::move(heard.scan)}});
+    wayfuse::add_point({spot->place, spot->sigma_m, device_model_, walk_, heard_at, {std::move(heard.scan)}}, points_);
   }
-}
-
-// What no message could carry is halved: first by scans, then by readings. The place stays the same, nothing is dropped.
-void Surveyor::keep(ReferencePoint point) {
-  const std::size_t bytes = json_bytes(point);
-  const bool many_scans = point.scans.size() > 1;
-  if (bytes <= kBatchBytes || (!many_scans && point.scans.front().readings.size() < 2)) {
-    points_.emplace_back(std::move(point), bytes);
-    return;
-  }
-  ReferencePoint rest = point;
-  if (many_scans) {
-    const auto half = static_cast<std::ptrdiff_t>(point.scans.size() / 2);
-    rest.scans.erase(rest.scans.begin(), rest.scans.begin() + half);
-    point.scans.erase(point.scans.begin() + half, point.scans.end());
-  } else {
-    auto& left = point.scans.front().readings;
-    auto& right = rest.scans.front().readings;
-    const auto half = static_cast<std::ptrdiff_t>(left.size() / 2);
-    right.erase(right.begin(), right.begin() + half);
-    left.erase(left.begin() + half, left.end());
-  }
-  keep(std::move(point));
-  keep(std::move(rest));
 }
 
 std::string Surveyor::new_key() {
@@ -212,16 +186,7 @@ std::string Surveyor::new_key() {
 
 std::vector<SurveyBatch> Surveyor::take_batches() {
   std::vector<SurveyBatch> batches;
-  std::size_t bytes = 0;
-  for (auto& [point, size] : points_) {
-    if (batches.empty() || bytes + size > kBatchBytes || batches.back().points.size() == Limits::kPointsPerBatch) {
-      batches.push_back({new_key(), {}});
-      bytes = 0;
-    }
-    batches.back().points.push_back(std::move(point));
-    bytes += size;
-  }
-  points_.clear();
+  for (auto& points : in_messages(std::exchange(points_, {}))) batches.push_back({new_key(), std::move(points)});
   return batches;
 }
 

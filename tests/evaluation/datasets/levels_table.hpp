@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/evaluation/datasets/fingerprint_table.hpp"
+#include "sdk/src/recording/import/fingerprint_table.hpp"
 
 namespace wayfuse {
 

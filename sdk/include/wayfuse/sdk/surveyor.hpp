@@ -52,7 +52,6 @@ class Surveyor {
   struct Spot;
   std::optional<Spot> where(PhoneTime time) const;
   void place_scan(const RssScan& scan, UnixTime at);
-  void keep(ReferencePoint point);
   std::string new_key();
 
   std::string device_model_;

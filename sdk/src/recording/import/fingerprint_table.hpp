@@ -34,8 +34,15 @@ struct FingerprintTable {
 /// them. Publications take them for metres.
 inline constexpr double kUjiMetresPerUnit = 0.7660;
 
+/// A row that does not serve.
+struct BadRow {
+  int line = 0;
+  std::string column;        ///< its name; empty = the row as a whole
+  std::string cause;
+};
+
 /// UJIIndoorLoc: header; access points (100 = not heard), then LONGITUDE, LATITUDE, FLOOR, BUILDINGID, ..., TIMESTAMP, found
-/// by name. Faults name file, line and column.
-Result<FingerprintTable> read_uji(const std::string& file);
+/// by name. Faults name file, line and column; rows that do not serve are left out and named in `bad`, where there is one.
+Result<FingerprintTable> read_uji(const std::string& file, std::vector<BadRow>* bad = nullptr);
 
 }  // namespace wayfuse
