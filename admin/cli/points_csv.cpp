@@ -79,9 +79,9 @@ class CsvPoints {
 Result<void> CsvPoints::header(const std::vector<std::string>& names) {
   std::string passed_over;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!columns_.emplace(names[i], i).second) return Fault{FaultCode::kDuplicateField, path_ + ":1", "column " + names[i] + " stands twice"};
+    if (!columns_.emplace(names[i], i).second) return Fault{FaultCode::kDuplicateField, path_ + ":1", "column " + shown(names[i]) + " stands twice"};
     const bool known = std::ranges::count(kNeeded, names[i]) + std::ranges::count(kKnown, names[i]) > 0;
-    if (!known) passed_over += (passed_over.empty() ? "" : ", ") + names[i];
+    if (!known) passed_over += (passed_over.empty() ? "" : ", ") + shown(names[i]);
   }
   for (const std::string_view name : kNeeded) {
     if (!columns_.contains(name)) return Fault{FaultCode::kMissingField, path_ + ":1", "column " + std::string(name) + " is missing"};

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -129,8 +130,10 @@ Result<SurveyFile> read_points_geojson(const std::string& path, const SurveyFile
   Json document;
   try {
     document = Json::parse(whole);
-  } catch (const Json::parse_error& broken) {
-    return Fault{FaultCode::kMalformed, path, broken.what()};  // names line and column
+  } catch (const Json::exception& broken) {  // numbers beyond a double too
+    std::string cause = broken.what();  // names line and column, and shows what stood there
+    std::ranges::replace_if(cause, [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+    return Fault{FaultCode::kMalformed, path, cause.substr(0, 300)};
   }
   if (!document.is_object() || document.value("type", Json()) != "FeatureCollection" || !document.contains("features") || !document["features"].is_array()) {
     return Fault{FaultCode::kWrongType, path, "is no FeatureCollection"};

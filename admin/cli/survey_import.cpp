@@ -182,7 +182,7 @@ std::string to_json(const ImportOrder& order, const ImportReport& report) {
               {"already_there", report.already_there},
               {"dry_run", order.dry_run},
               {"complaints", report.complaints}}
-      .dump();
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace wayfuse::cli

@@ -116,6 +116,7 @@ TEST_F(SurveyFiles, GeoJsonFaultsNameTheLineOfTheirFeature) {
   const auto broken = read_survey_file(file("b.geojson", "{\"type\":\n\"FeatureCollection\",,}"), {});
   ASSERT_FALSE(broken);
   EXPECT_THAT(to_string(broken.fault()), HasSubstr("line 2"));
+  EXPECT_FALSE(read_survey_file(file("c.geojson", R"({"type":"FeatureCollection","features":[],"id":1e999})"), {})) << "a number beyond a double";
 }
 
 TEST_F(SurveyFiles, GeoJsonIsLaidDownByTheBuildingsGeoreference) {

@@ -47,7 +47,7 @@ class RowReader {
     for (std::size_t i = 0; i < columns_.access_points; ++i) {
       const double level = value(fields, i);
       if (level == kNotHeard) continue;
-      if (level < -120.0 || level > 0.0) throw BadRow{0, names_[i], shown(fields[i]) + " is outside -120..0 dBm and not 100"};
+      if (level < -120.0 || level > 0.0) throw BadRow{0, shown(names_[i]), shown(fields[i]) + " is outside -120..0 dBm and not 100"};
       scan.heard.push_back({static_cast<std::uint16_t>(i), level});
     }
     const auto named = [&](const char* name) {
@@ -66,7 +66,7 @@ class RowReader {
  private:
   double value(const std::vector<std::string_view>& fields, std::size_t column) const {
     const auto found = number(fields[column]);
-    if (!found || std::abs(*found) > 1e12) throw BadRow{0, names_[column], "'" + shown(fields[column]) + "' is not a number, or too large"};
+    if (!found || std::abs(*found) > 1e12) throw BadRow{0, shown(names_[column]), "'" + shown(fields[column]) + "' is not a number, or too large"};
     return *found;
   }
 
