@@ -52,6 +52,7 @@ void BuildingKeeper::refresh(BuildingId id, std::function<void()> ended) {
 }
 
 void BuildingKeeper::tick() {
+  for (const auto& building : shelf_.all()) keep(*building);  // a session may have asked for a pipeline that learnt something
   std::vector<BuildingId> ripe;
   {
     const std::lock_guard lock(mutex_);
@@ -100,10 +101,12 @@ Result<BuildingKeeper::Round> BuildingKeeper::read_round(BuildingDatabase& datab
   if (!material) return material.fault();
   round.live = *std::move(material);
   round.expected_live = round.live.version;
-  const auto corrector = database.corrector(round.record.pipeline);
-  if (!corrector) return corrector.fault();
-  const bool current = *corrector && (*corrector)->survey_version == round.live.version && Corrector::parse((*corrector)->content);
-  if (current) round.live.corrector = (*corrector)->content;
+  for (const std::string& pipeline : preset_names()) {
+    const auto corrector = database.corrector(pipeline);
+    if (!corrector) return corrector.fault();
+    const bool current = *corrector && (*corrector)->survey_version == round.live.version && Corrector::parse((*corrector)->content);
+    if (current) round.live.correctors.emplace(pipeline, (*corrector)->content);
+  }
   return round;
 }
 
@@ -148,11 +151,11 @@ Result<void> BuildingKeeper::renew(BuildingDatabase& database, const BuildingRec
 
 void BuildingKeeper::build(BuildingId id, Round round) {
   try {
-    const std::string stored = round.live.corrector;
+    for (const auto& [pipeline, content] : round.live.correctors) note_kept(id, pipeline, content);
     auto live = Building::make(round.record, std::move(round.live), settings_.gate);
     if (!live) return done(id, live.fault());
     if (!round.candidate) {
-      keep(**live, stored);
+      keep(**live);
       prepare(**live);
       shelf_.put(*std::move(live));
       return done(id, std::nullopt);
@@ -167,17 +170,29 @@ void BuildingKeeper::build(BuildingId id, Round round) {
   }
 }
 
+void BuildingKeeper::note_kept(BuildingId id, const std::string& pipeline, const std::string& content) {
+  const std::lock_guard lock(mutex_);
+  kept_[{id, pipeline}] = content;
+}
+
 void BuildingKeeper::prepare(const Building& building) const {
   if (const auto older = shelf_.find(building.record().id)) building.prepare_as(*older);
 }
 
 // Trained once a map version: the next start finds it. A disk that does not take it only costs the training again.
-void BuildingKeeper::keep(const Building& building, const std::string& stored) {
-  CorrectorRecord corrector{building.record().pipeline, building.map_version(), building.learnt()};
-  if (corrector.content.empty() || corrector.content == stored) return;
-  store_.with_building(building.record().id, [corrector = std::move(corrector)](Result<BuildingDatabase*> database) {
-    if (database) static_cast<void>((*database)->keep_corrector(corrector));
-  });
+void BuildingKeeper::keep(const Building& building) {
+  for (const auto& [pipeline, content] : building.learnt()) {
+    {
+      const std::lock_guard lock(mutex_);
+      std::string& kept = kept_[{building.record().id, pipeline}];
+      if (kept == content) continue;
+      kept = content;
+    }
+    CorrectorRecord corrector{pipeline, building.map_version(), content};
+    store_.with_building(building.record().id, [corrector = std::move(corrector)](Result<BuildingDatabase*> database) {
+      if (database) static_cast<void>((*database)->keep_corrector(corrector));
+    });
+  }
 }
 
 // Writes down what the judge found; only then, and only if nobody else published meanwhile, the candidate comes into force.
@@ -202,7 +217,7 @@ void BuildingKeeper::conclude(BuildingId id, std::shared_ptr<const Building> can
     }
     if (promoted) {
       made_a_version(id);
-      keep(*candidate, {});
+      keep(*candidate);
     }
     shelf_.put(promoted ? candidate : live);
     done(id, std::nullopt);

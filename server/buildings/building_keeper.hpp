@@ -48,7 +48,7 @@ class BuildingKeeper {
   /// The same at once, however new the newest version is; `ended` is called when a round that began after this call has ended, well
   /// or not, on whatever thread ended it; after stop() at once.
   void refresh(BuildingId id, std::function<void()> ended);
-  /// Refreshes what has waited long enough; about once a second.
+  /// Refreshes what has waited long enough, and keeps what pipelines learnt that sessions asked for; about once a second.
   void tick();
   /// No new reads from here on; what is being built is finished.
   void stop();
@@ -84,7 +84,8 @@ class BuildingKeeper {
   void conclude(BuildingId id, std::shared_ptr<const Building> candidate, std::shared_ptr<const Building> live, Round round,
                 MapJudgement judgement);
   void made_a_version(BuildingId id);
-  void keep(const Building& building, const std::string& stored);
+  void keep(const Building& building);
+  void note_kept(BuildingId id, const std::string& pipeline, const std::string& content);
   void prepare(const Building& building) const;
   void done(BuildingId id, std::optional<Fault> fault);
   bool conclude_round(BuildingId id, std::optional<Fault> fault, std::vector<std::function<void()>>& waited);
@@ -100,6 +101,7 @@ class BuildingKeeper {
   std::map<BuildingId, ServerTime> made_;     // when the newest version came by itself
   std::map<BuildingId, ServerTime> due_;      // waiting for their time
   std::map<BuildingId, Fault> failures_;
+  std::map<std::pair<BuildingId, std::string>, std::string> kept_;  // correctors as the store has them
   std::set<BuildingId> once_done_;
   std::uint64_t rebuilds_ = 0;
   bool stopped_ = false;

@@ -94,9 +94,9 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, Ma
   site->floors = record.floors;
   site->survey = std::move(survey);
   site->radio_map_version = map.version;
-  site->corrector = std::move(map.corrector);
+  site->correctors = std::move(map.correctors);
   building->site_ = std::move(site);
-  building->record_ = std::move(record);
+  building->record_ = std::make_shared<const BuildingRecord>(std::move(record));
   const auto own = building->pipeline("");
   if (!own) return own.fault();
   return std::shared_ptr<const Building>(std::move(building));
@@ -104,7 +104,14 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, Ma
 
 std::vector<std::string> Building::remarks() const { return pipeline("").value()->remarks(); }
 
-std::string Building::learnt() const { return pipeline("").value()->learnt(); }
+std::map<std::string, std::string> Building::learnt() const {
+  std::map<std::string, std::string> learnt;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, factory] : pipelines_) {
+    if (std::string content = factory->learnt(); !content.empty()) learnt.emplace(name, std::move(content));
+  }
+  return learnt;
+}
 
 std::shared_ptr<const SurveyLevels> Building::levels() const {
   {
@@ -118,7 +125,7 @@ std::shared_ptr<const SurveyLevels> Building::levels() const {
 }
 
 Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::string& name) const {
-  const std::string& wanted = name.empty() ? record_.pipeline : name;
+  const std::string& wanted = name.empty() ? record_->pipeline : name;
   {
     const std::lock_guard lock(mutex_);
     const auto found = pipelines_.find(wanted);

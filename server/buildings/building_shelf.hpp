@@ -27,7 +27,8 @@ class Building {
   /// From a survey alone, under its own version's number.
   static Result<std::shared_ptr<const Building>> make(BuildingRecord record, std::vector<ReferencePoint> survey, bool gate = true);
 
-  const BuildingRecord& record() const { return record_; }
+  const BuildingRecord& record() const { return *record_; }
+  const std::shared_ptr<const BuildingRecord>& shared_record() const { return record_; }
   const std::shared_ptr<const Site>& site() const { return site_; }
   /// Of the map every fix of this snapshot names; 0 = the building has none.
   std::uint64_t map_version() const { return site_->radio_map_version; }
@@ -45,9 +46,10 @@ class Building {
   std::vector<std::string> prepared() const;
   /// Makes ready what sessions track with over `older`, so that none of them waits for it when it moves here.
   void prepare_as(const Building& older) const;
-  /// Of the building's own pipeline: what it could not prepare, and what it learnt from the survey (to be kept; empty = nothing).
+  /// Of the building's own pipeline: what it could not prepare.
   std::vector<std::string> remarks() const;
-  std::string learnt() const;
+  /// What pipelines made so far learnt from the survey, to be kept.
+  std::map<std::string, std::string> learnt() const;
   /// Points left out of the map, ascending by their index in the survey as stored, and why.
   std::span<const DoubtfulPoint> doubts() const { return doubts_; }
   /// Transmitters this survey knows, ascending; for resolving a session without a building id.
@@ -55,7 +57,7 @@ class Building {
 
  private:
   Building() = default;
-  BuildingRecord record_;
+  std::shared_ptr<const BuildingRecord> record_;
   std::shared_ptr<const Site> site_;
   std::vector<DoubtfulPoint> doubts_;
   std::vector<Bssid> transmitters_;

@@ -32,7 +32,7 @@ struct MapMaterial {
   std::vector<Bssid> distrusted;
   std::map<std::string, double> device_offsets_db;
   std::vector<MapQuality> qualities;     ///< as measured last, walk by walk
-  std::string corrector;                 ///< what the building's own pipeline learnt from this very version before; empty = it learns anew
+  std::map<std::string, std::string> correctors;  ///< by pipeline: what it learnt from this very version before; others learn anew
   bool whole = true;                     ///< false: points were erased since the version was built
 };
 

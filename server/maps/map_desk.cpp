@@ -199,8 +199,7 @@ void MapDesk::publish(BuildingId building, const MapPromotion& promotion, std::o
     publication.reason = promotion.reason;
     const auto published = (*database)->promote(publication, live);
     if (!published) return done(published.fault());
-    keeper_.refresh(building);
-    done(MapPromoted{*published, comparison});
+    keeper_.refresh(building, [done, promoted = MapPromoted{*published, comparison}] { done(promoted); });  // answered when it is in force
   });
 }
 
@@ -212,8 +211,8 @@ void MapDesk::roll_back_map(BuildingId building, std::uint64_t by_key, const std
     publication.by_key = by_key;
     publication.reason = reason;
     const auto back = (*database)->roll_back(publication);
-    if (back) keeper_.refresh(building);
-    done(back);
+    if (!back) return done(back);
+    keeper_.refresh(building, [done, back] { done(back); });
   });
 }
 

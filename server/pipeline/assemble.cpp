@@ -233,15 +233,15 @@ class Pipeline final : public TrackerFactory {
   std::string learnt_;
 };
 
-/// The building's stored corrector, else one trained on its survey, else a remark that says why there is none.
+/// The pipeline's stored corrector, else one trained on its survey, else a remark that says why there is none.
 Result<std::string> add_corrector(const Assembly& spec, PipelineParts& parts, std::vector<std::string>& remarks) {
   const auto [part, settings] = spec.chosen("corrector");
   if (part == "none") return std::string{};
-  if (!parts.site->corrector.empty()) {
-    auto stored = Corrector::parse(parts.site->corrector);
+  if (const auto found = parts.site->correctors.find(spec.spec().name); found != parts.site->correctors.end()) {
+    auto stored = Corrector::parse(found->second);
     if (!stored) return stored.fault();
     parts.corrector = std::make_shared<Corrector>(*std::move(stored));
-    return parts.site->corrector;
+    return found->second;
   }
   auto trained = train_corrector(*parts.site, [&](std::shared_ptr<const Site> site) { return prepare(spec, std::move(site)); },
                                  {.iterations = settings.count("iterations")});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +23,8 @@ struct Site {
   std::vector<Floor> floors;
   std::vector<ReferencePoint> survey;
   std::uint64_t radio_map_version = 0;
-  std::string corrector;           ///< a trained corrector as TrackerFactory::learnt() gave it; empty = none stored
+  /// By pipeline: its trained corrector, as TrackerFactory::learnt() gave it over this very map. What is not here is learnt anew.
+  std::map<std::string, std::string> correctors;
 };
 
 /// A place the caller knows the phone to be at when tracking begins (a door, a QR code, a measured start).
@@ -48,7 +50,7 @@ class TrackerFactory {
   virtual const PipelineSpec& spec() const = 0;
   /// What an operator should know: a part that could not be prepared and is left out, and why.
   virtual std::vector<std::string> remarks() const { return {}; }
-  /// What was trained from this building's survey, with its provenance, to be stored in Site::corrector; empty = nothing.
+  /// What was trained from this building's survey, with its provenance, to be stored in Site::correctors; empty = nothing.
   virtual std::string learnt() const { return {}; }
 };
 

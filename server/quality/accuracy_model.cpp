@@ -105,7 +105,7 @@ Result<void> AccuracyModel::check_fold(std::size_t fold, const PipelineSpec& pip
     for (const std::size_t point : tracks[t].points) left_out[point] = 1;
   }
   auto rest = std::make_shared<Site>(*site_);
-  rest->corrector.clear();
+  rest->correctors.clear();
   rest->survey.clear();
   for (std::size_t i = 0; i < site_->survey.size(); ++i) {
     if (!left_out[i]) rest->survey.push_back(site_->survey[i]);

@@ -237,10 +237,16 @@ TEST_F(KeptBuilding, ManyBatchesAtOnceMakeFewVersions) {
   keep();
   for (int i = 0; i < 20; ++i) survey("b" + std::to_string(i), 1);
   EXPECT_EQ(points(), 1u) << "the first at once";
+  keeper->refresh(id);
+  EXPECT_EQ(points(), 1u);
   now += std::chrono::seconds(2);
   keeper->tick();
   EXPECT_EQ(points(), 20u) << "the others together";
   on_database([](BuildingDatabase& database) { EXPECT_EQ(database.maps()->size(), 2u); });
+  survey("late", 1);
+  EXPECT_EQ(points(), 20u);
+  keeper->refresh(id, [] {});
+  EXPECT_EQ(points(), 21u) << "an operator's word does not wait";
 }
 
 }  // namespace

@@ -101,14 +101,48 @@ TEST_F(BuildingCorrector, IsStoredWithItsProvenanceAndNotTrainedAgain) {
   EXPECT_TRUE(first->remarks().empty());
   const auto kept = stored(id, "p4");
   ASSERT_TRUE(kept);
-  EXPECT_EQ(kept->content, first->learnt());
+  EXPECT_EQ(kept->content, first->learnt().at("p4"));
   EXPECT_EQ(kept->survey_version, first->record().survey_version);
   EXPECT_NE(kept->content.find("rmse_after_m"), std::string::npos);
   // A mark in the stored one shows that the next start takes it instead of training.
   auto marked = *kept;
   marked.content.insert(marked.content.find("\"walks\":") + 8, "4");
   store_->with_building(id, [&](Result<BuildingDatabase*> database) { ASSERT_TRUE((*database)->keep_corrector(marked)); });
-  EXPECT_EQ(build(id)->learnt(), marked.content);
+  EXPECT_EQ(build(id)->learnt().at("p4"), marked.content);
+}
+
+TEST_F(BuildingCorrector, OfAPresetThatOnlyASessionAskedForIsKeptToo) {
+  const BuildingId id = create("nn", corridor());
+  BuildingShelf shelf;
+  BuildingKeeper keeper(*store_, shelf, [](std::function<void()> task) { task(); });
+  keeper.refresh(id);
+  EXPECT_TRUE(shelf.find(id)->learnt().empty()) << "nobody asked for a pipeline that learns";
+  const auto asked = shelf.find(id)->pipeline("p4");
+  ASSERT_TRUE(asked);
+  EXPECT_TRUE((*asked)->remarks().empty());
+  EXPECT_FALSE(stored(id, "p4"));
+  keeper.tick();
+  const auto kept = stored(id, "p4");
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->content, (*asked)->learnt());
+  EXPECT_EQ(kept->survey_version, shelf.find(id)->map_version());
+  // A mark in it shows that the next start takes it instead of training, and that it is p4's alone.
+  auto marked = *kept;
+  marked.content.insert(marked.content.find("\"walks\":") + 8, "4");
+  store_->with_building(id, [&](Result<BuildingDatabase*> database) { ASSERT_TRUE((*database)->keep_corrector(marked)); });
+  const auto again = build(id);
+  EXPECT_TRUE(again->learnt().empty());
+  EXPECT_EQ((*again->pipeline("p4"))->learnt(), marked.content);
+}
+
+TEST_F(BuildingCorrector, AnAbsentOneIsSaidByThePresetASessionAskedFor) {
+  auto survey = corridor();
+  for (auto& point : survey) point.walk.clear();
+  const BuildingId id = create("nn", survey);
+  const auto asked = build(id)->pipeline("p4");
+  ASSERT_TRUE(asked);
+  ASSERT_EQ((*asked)->remarks().size(), 1u);
+  EXPECT_NE((*asked)->remarks()[0].find("no corrector"), std::string::npos);
 }
 
 TEST_F(BuildingCorrector, ASurveyThatGrewTrainsItAnew) {
@@ -132,7 +166,7 @@ TEST_F(BuildingCorrector, ABrokenOneIsReplacedAndKeepsNoBuildingFromOpening) {
   const auto again = build(id);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->learnt(), first->learnt());
-  EXPECT_EQ(stored(id, "p4")->content, first->learnt());
+  EXPECT_EQ(stored(id, "p4")->content, first->learnt().at("p4"));
 }
 
 TEST_F(BuildingCorrector, ThereIsNoneWithoutWalksAndTheBuildingSaysSo) {

@@ -165,7 +165,7 @@ TEST(Corrector, IsTrainedOnTheSurveysWalksAndStoredWithItsProvenance) {
   EXPECT_LT(corrector->from.rmse_after_m, corrector->from.rmse_before_m);
   // Stored and loaded it is the same corrector, and nothing is trained again.
   auto stored = std::make_shared<Site>(*site);
-  stored->corrector = factory->learnt();
+  stored->correctors["p4"] = factory->learnt();
   const auto again = *assemble(spec, stored);
   EXPECT_EQ(again->learnt(), factory->learnt());
   const auto one = factory->make_tracker(Random(1)), two = again->make_tracker(Random(1));
@@ -186,7 +186,7 @@ TEST(Corrector, RefusesAStoredOneThatIsBroken) {
   for (std::string broken : {std::string("{}"), std::string("nonsense"), whole.substr(0, whole.size() / 2)}) {
     EXPECT_FALSE(Corrector::parse(broken));
     auto site = std::make_shared<Site>(*hall_site());
-    site->corrector = broken;
+    site->correctors["p4"] = broken;
     EXPECT_FALSE(assemble(*preset("p4"), site));
   }
 }
