@@ -1,6 +1,7 @@
 #pragma once
 
 #include "admin/access.hpp"
+#include "admin/recording_control.hpp"
 #include "admin/router.hpp"
 #include "admin/server_control.hpp"
 #include "admin/session_control.hpp"
@@ -22,6 +23,8 @@ void add_survey_routes(Router& router, DatabaseDirectory& databases, ServerContr
 void add_operation_routes(Router& router, const DatabaseDirectory& databases, ServerControl& server, const ZoneControl& zones);
 /// Why one session's newest position is where it is.
 void add_explanation_routes(Router& router, const SessionControl& sessions);
+/// Recordings of sessions: order, list, fetch, erase, replay.
+void add_recording_routes(Router& router, RecordingControl& recordings);
 /// Zones: list, make, replace, remove; who is in them; their events as server-sent events.
 void add_zone_routes(Router& router, DatabaseDirectory& databases, ZoneControl& zones, const Access& access, const Clock& clock);
 /// Runs a task some time later, off the caller's thread.

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "admin/recording_control.hpp"
 #include "admin/server_control.hpp"
 #include "admin/session_control.hpp"
 #include "admin/zone_control.hpp"
@@ -44,6 +45,14 @@ std::string to_json(const std::vector<PartDescription>& parts);
 /// `zones` holds the names of the zones each phone is in; `coarse` leaves positions out [C19].
 std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<std::string, std::vector<std::string>>& zones, bool coarse);
 std::string to_json(const Explanation& explanation);
+/// A recording's seed and epoch are texts: JSON's own numbers would round them.
+std::string to_json(const RecordingState& state);
+std::string to_json(const RecordingSummary& recording);
+std::string to_json(const std::vector<RecordingSummary>& recordings, std::optional<std::uint64_t> next);
+std::string to_json(const ReplayAnswer& answer, std::uint64_t recording, std::optional<std::uint64_t> map_version);
+Result<RecordingOrder> parse_recording_order(std::string_view json);
+/// An empty text asks for the beginning, as it was.
+Result<ReplayQuestion> parse_replay_question(std::string_view json);
 std::string to_json(const Readiness& readiness);
 std::string names_to_json(std::string_view field, const std::vector<std::string>& names);
 

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "admin/json_forms.hpp"
 
@@ -10,32 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr const char* kScopes[] = {"survey", "track", "observe", "admin"};
-
-const char* name_of(Integrity integrity) {
-  switch (integrity) {
-    case Integrity::kOk: return "ok";
-    case Integrity::kDegraded: return "degraded";
-    case Integrity::kSuspect: return "suspect";
-  }
-  return "suspect";
-}
-
-Json to_json(const FusedPosition& position) {
-  Json json{{"x_m", position.place.point.x_m},
-            {"y_m", position.place.point.y_m},
-            {"floor", position.place.floor.value},
-            {"radius68_m", position.radius68_m},
-            {"radius95_m", position.radius95_m},
-            {"covariance_m2", {position.covariance.xx_m2, position.covariance.xy_m2, position.covariance.yy_m2}},
-            {"azimuth_deg", position.heading.azimuth_rad() / kDegree},
-            {"speed_mps", position.speed_mps},
-            {"radio_map_version", position.radio_map_version},
-            {"integrity", name_of(position.integrity)}};
-  if (position.geo) json["geo"] = {{"latitude_deg", position.geo->latitude_deg}, {"longitude_deg", position.geo->longitude_deg}};
-  return json;
-}
 
 Json to_json(const PartDescription& part) {
   Json settings = Json::array();
@@ -48,16 +21,6 @@ Json to_json(const PartDescription& part) {
                         {"source", setting.source}});
   }
   return {{"role", part.role}, {"name", part.name}, {"summary", part.summary}, {"settings", std::move(settings)}};
-}
-
-Json to_form(const ReadingExplained& reading) {
-  Json json{{"bssid", to_string(reading.bssid)}, {"heard_dbm", reading.heard_dbm}};
-  json["expected_dbm"] = reading.expected_dbm ? Json(*reading.expected_dbm) : Json();
-  json["residual_db"] = reading.expected_dbm ? Json(*reading.residual_db()) : Json();
-  json["surveyed_scans"] = reading.surveyed_scans;
-  json["age_us"] = reading.age.count();
-  if (!reading.rejected.empty()) json["why"] = reading.rejected;
-  return json;
 }
 
 Json to_form(const KeyRecord& key) {
@@ -95,48 +58,6 @@ std::string to_json(const std::vector<PartDescription>& parts) {
   Json entries = Json::array();
   for (const PartDescription& part : parts) entries.push_back(to_json(part));
   return Json{{"parts", std::move(entries)}}.dump();
-}
-
-std::string to_json(const std::vector<SessionSummary>& sessions, const std::map<std::string, std::vector<std::string>>& zones,
-                    bool coarse) {
-  Json entries = Json::array();
-  for (const SessionSummary& session : sessions) {
-    Json json{{"tracked", session.tracked},
-              {"building", session.building.value},
-              {"device_model", session.device_model},
-              {"app", session.app},
-              {"pipeline", session.pipeline},
-              {"since_us", session.since.time_since_epoch().count()},
-              {"connected", session.connected},
-              {"applied_through", session.applied_through}};
-    const auto inside = zones.find(session.tracked);
-    json["zones"] = inside != zones.end() ? inside->second : std::vector<std::string>();
-    if (session.position && !coarse) json["position"] = to_json(*session.position);
-    entries.push_back(std::move(json));
-  }
-  return Json{{"sessions", std::move(entries)}}.dump();
-}
-
-std::string to_json(const Explanation& explanation) {
-  const FusedPosition& position = explanation.position;
-  Json used = Json::array(), rejected = Json::array(), votes = Json::array(), particles = Json::array();
-  for (const ReadingExplained& reading : explanation.readings) (reading.rejected.empty() ? used : rejected).push_back(to_form(reading));
-  for (const FloorProbability& vote : position.floors) votes.push_back({{"floor", vote.floor.value}, {"probability", vote.probability}});
-  for (const auto& each : explanation.particles) particles.push_back({each.point.x_m, each.point.y_m, each.weight});
-  return Json{{"tracked", explanation.tracked},
-              {"building", position.building.value},
-              {"pipeline", explanation.pipeline},
-              {"position", to_json(position)},
-              {"scan_age_us", position.from.scan_age.count()},
-              {"steps_since_scan", position.from.steps_since_scan},
-              {"gnss", position.from.gnss},
-              {"surveyed_points_near", explanation.surveyed_points},
-              {"used", std::move(used)},
-              {"rejected", std::move(rejected)},
-              {"floor_votes", std::move(votes)},
-              {"integrity", {{"state", name_of(position.integrity)}, {"reasons", explanation.doubts}}},
-              {"particles", std::move(particles)}}
-      .dump();
 }
 
 std::string to_json(const Readiness& readiness) {

@@ -29,6 +29,7 @@ struct Explanation {
   std::vector<ReadingExplained> readings;  ///< largest |residual| first, then those without one; used before rejected
   int surveyed_points = 0;                 ///< near the fused place, on its floor: what the expected levels come from
   std::vector<std::string> doubts;         ///< why integrity is not `ok`
+  std::vector<std::string> remarks;        ///< what the pipeline could not prepare here: a corrector without walks to learn from
   struct Particle {
     BuildingPoint point;
     double weight = 0.0;

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -90,7 +91,8 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
                      .zones = &zones_,
                      .heard = [this](std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position) {
                        access_points_.hear(session, building, scan, position);
-                     }} {}
+                     },
+                     .recordings = &recordings_} {}
 
 // Surveys of one building become one version every few seconds at most; a worse one does not come into force.
 BuildingKeeper::Settings App::keeper_settings() {
@@ -126,6 +128,7 @@ Result<void> App::open() {
   add_survey_routes(*router_, *store_, *this);
   add_operation_routes(*router_, *store_, *this, zones_);
   add_explanation_routes(*router_, *this);
+  add_recording_routes(*router_, recording_desk_);
   add_zone_routes(*router_, *store_, zones_, *keys_, clock_);
   add_plan_routes(*router_, *store_, *this, zones_, [this](std::function<void()> task) { workers_.run(std::move(task)); });
   add_webhook_routes(*router_, *store_, webhooks_, clock_);
@@ -185,6 +188,7 @@ std::string App::url() const {
 void App::sweep() {
   for (const std::string& tracked : sessions_.sweep(clock_.now())) board_.gone(tracked, clock_.wall_now());
   board_.sweep(clock_.wall_now() - kGoneShown);
+  recordings_.sweep();
   zones_.tick();
   keeper_.tick();
   if (++sweeps_ % kReviewEverySweeps == 0) access_points_.review();
@@ -255,6 +259,8 @@ Result<std::string> App::preset_json(const std::string& name) const {
 }
 
 void App::building_changed(BuildingId building) {
+  const auto there = store_->buildings();
+  if (std::ranges::find(there, building) == there.end()) recordings_.erase_all(building, "");  // removed, with all that was recorded in it
   keeper_.refresh(building);
 }
 

@@ -16,6 +16,7 @@
 #include "server/log.hpp"
 #include "server/maps/map_desk.hpp"
 #include "server/net/listener.hpp"
+#include "server/recordings/recording_desk.hpp"
 #include "server/webhooks/webhook_sender.hpp"
 #include "server/zones/zone_watch.hpp"
 #include "server/system_clock.hpp"
@@ -91,6 +92,8 @@ class App final : public ServerControl, public SessionControl {
   AccessPointDesk access_points_;
   MapDesk maps_;
   SessionShelf sessions_;
+  RecordingShelf recordings_{clock_, sessions_.epoch()};
+  RecordingDesk recording_desk_{recordings_, *store_, shelf_, [this](std::function<void()> task) { workers_.run(std::move(task)); }};
   ZoneWatch zones_;
   ZoneFeed zone_feed_{zones_};
   WebhookSender webhooks_;

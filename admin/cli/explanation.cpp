@@ -44,6 +44,7 @@ std::string explained(const std::string& json) {
   std::string text = where(answer);
   text += "integrity: " + answer.at("integrity").at("state").get<std::string>() + "\n";
   for (const Json& reason : answer.at("integrity").at("reasons")) text += "  " + reason.get<std::string>() + "\n";
+  for (const Json& remark : answer.value("remarks", Json::array())) text += "  " + remark.get<std::string>() + "\n";
   text += std::to_string(answer.at("used").size()) + " readings used, " + std::to_string(answer.at("rejected").size()) +
           " rejected; expected levels from " + answer.at("surveyed_points_near").dump() + " surveyed points nearby\n\n";
   std::vector<std::vector<std::string>> rows;

@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   add_zone_commands(app, program);
   add_webhook_commands(app, program);
   add_data_commands(app, program);
+  add_recording_commands(app, program);
   DoctorSettings settings;
   const CLI::App* doctor = add_doctor_command(app, settings);
   if (argc > 1 && std::string_view(argv[1]) == "complete") return complete(app, argc, argv);

@@ -60,6 +60,7 @@ void add_operation_commands(CLI::App& app, Program& program);
 void add_zone_commands(CLI::App& app, Program& program);
 void add_plan_commands(CLI::App& app, Program& program);
 void add_data_commands(CLI::App& app, Program& program);
+void add_recording_commands(CLI::App& app, Program& program);
 void add_webhook_commands(CLI::App& app, Program& program);
 
 }  // namespace wayfuse::cli

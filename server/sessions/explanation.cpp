@@ -7,7 +7,6 @@
 namespace wayfuse {
 namespace {
 
-constexpr std::size_t kParticlesMost = 500;
 constexpr std::size_t kPointsMost = 8;
 constexpr double kAround_m = 12.0;  // levels change by a few decibels within it; surveys are seldom sparser
 
@@ -55,8 +54,8 @@ bool more_telling(const ReadingExplained& a, const ReadingExplained& b) {
 
 }  // namespace
 
-PositionGrounds grounds_of(const Tracker& tracker, FusedPosition position, RssScan newest) {
-  PositionGrounds grounds{std::move(position), std::move(newest), {}, {}, tracker.cloud(kParticlesMost)};
+PositionGrounds grounds_of(const Tracker& tracker, FusedPosition position, RssScan newest, std::size_t most_particles) {
+  PositionGrounds grounds{std::move(position), std::move(newest), {}, {}, most_particles > 0 ? tracker.cloud(most_particles) : std::vector<WeightedPlace>()};
   grounds.doubts = tracker.doubts(grounds.position.valid_at);
   for (const ScanReading& reading : grounds.scan.readings) grounds.left_out.push_back(tracker.left_out(reading));
   return grounds;

@@ -16,7 +16,7 @@ struct PositionGrounds {
   std::vector<std::string> doubts;
   std::vector<WeightedPlace> particles;
 };
-PositionGrounds grounds_of(const Tracker& tracker, FusedPosition position, RssScan newest);
+PositionGrounds grounds_of(const Tracker& tracker, FusedPosition position, RssScan newest, std::size_t most_particles = 500);
 
 /// Holds the grounds against the survey, whatever the pipeline was: each reading against its mean level in the scans of the
 /// nearest surveyed points on the floor. Cost: one pass over the survey's points; no tracker is touched.

@@ -72,6 +72,7 @@ struct SessionWorld {
   ZoneControl* zones = nullptr;  ///< null = nobody watches zones here, and who asks for their events is told so
   /// What a placed phone heard, now and then: for the health of access points. May be empty; any thread.
   std::function<void(std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position)> heard = {};
+  RecordingShelf* recordings = nullptr;  ///< null = nothing is ever recorded
 };
 
 }  // namespace wayfuse

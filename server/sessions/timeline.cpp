@@ -60,6 +60,24 @@ void Timeline::catch_up() {
   forget();
 }
 
+std::unique_ptr<Timeline> Timeline::clone() const {
+  auto copy = std::make_unique<Timeline>(tracker_->clone(), window_);
+  copy->copies_.clear();
+  for (const Copy& each : copies_) copy->copies_.push_back({each.applied, each.tracker->clone()});
+  copy->applied_ = applied_;
+  copy->newest_ = newest_;
+  copy->evidence_ = evidence_;
+  copy->readings_ = readings_;
+  copy->rewinds_ = rewinds_;
+  return copy;
+}
+
+std::size_t Timeline::bytes() const {
+  constexpr std::size_t kWithoutParticles = 8192, kParticle = 32, kParticlesMost = 100'000;
+  const std::size_t tracker = kWithoutParticles + kParticle * tracker_->cloud(kParticlesMost).size();
+  return tracker * (1 + copies_.size()) + evidence_.size() * sizeof(Evidence) + readings_ * sizeof(ScanReading);
+}
+
 void Timeline::rewind_before(const Key& key) {
   while (copies_.size() > 1 && copies_.back().applied > key) copies_.pop_back();
   tracker_ = copies_.back().tracker->clone();

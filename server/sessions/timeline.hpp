@@ -34,6 +34,11 @@ class Timeline {
   /// when: an older straggler is still applied by the tracker of its time. `after`: the newest number taken. Only after the first take().
   void exchange(std::shared_ptr<const TrackerFactory> newer, Random random, std::uint64_t after);
 
+  /// As it stands, with all it could go back to.
+  std::unique_ptr<Timeline> clone() const;
+  /// Memory it holds, about.
+  std::size_t bytes() const;
+
   const Tracker& tracker() const { return *tracker_; }
   /// Time of the newest evidence taken; absent before the first.
   std::optional<PhoneTime> newest() const { return newest_; }

@@ -168,6 +168,7 @@ Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {
   request.app = hello.app;
   request.begins_after = hello.resume ? hello.resume->acked_through : 0;
   request.since = seat.world.clock.wall_now();
+  request.recordings = seat.world.recordings;
   if (hello.building.value != 0) {
     request.building = seat.world.buildings.find(hello.building);
     if (!request.building) return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};

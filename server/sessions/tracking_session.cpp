@@ -28,6 +28,7 @@ TrackingSession::TrackingSession(SessionRequest request, std::string name, std::
       tracked_(std::move(tracked)),
       buildings_(buildings),
       disconnected_since_us_(now.time_since_epoch().count()),
+      seed_(seed),
       random_(seed),
       applied_through_(request_.begins_after) {
   if (request_.building) track_in(std::exchange(request_.building, nullptr));  // it is let go with the walk's first map
@@ -77,6 +78,7 @@ TrackingSession::Outcome TrackingSession::apply(std::uint64_t generation, const 
   if (!outcome.owner) return outcome;
   const std::uint64_t rewinds_before = timeline_ ? timeline_->rewinds() : 0;
   const auto building_before = building_;
+  find_tape();
   follow();
   for (const Sample& sample : batch.samples) {
     if (sample.sequence <= applied_through_) {
@@ -96,7 +98,10 @@ TrackingSession::Outcome TrackingSession::apply(std::uint64_t generation, const 
     settle();
     if (timeline_) timeline_->catch_up();
     answer(outcome, still_interval);
+    const auto* said = std::get_if<FusedPosition>(&outcome.answer);
+    if (timeline_) write(TapeAnswered{outcome.at, applied_through_, said ? std::optional(digest(*said)) : std::nullopt});
   }
+  if (tape_) request_.recordings->grown(*tape_, std::exchange(written_, 0), false);
   outcome.building_changed = building_ != building_before;
   if (timeline_ && timeline_->rewinds() > rewinds_before) outcome.rewinds = timeline_->rewinds() - rewinds_before;
   outcome.applied_through = applied_through_;
@@ -106,10 +111,12 @@ TrackingSession::Outcome TrackingSession::apply(std::uint64_t generation, const 
 // False = too late to count.
 bool TrackingSession::take(const Sample& sample) {
   if (!placed_) hold(sample);
+  if (timeline_) write(sample);
   if (timeline_ && !timeline_->take(sample)) {
     if (++late_in_a_row_ < kLateInARowMost) return false;
     // One absurd stamp, or a phone that restarted its clock, must not silence the session for good.
     track_in(building_);
+    write(sample);
     if (!timeline_->take(sample)) return false;
     newest_.reset();
   }
@@ -137,7 +144,10 @@ void TrackingSession::settle() {
   if (timeline_ && !newer) return;
   track_in(newer ? newest : building_);
   if (!timeline_) return;
-  for (const Sample& sample : held_) timeline_->take(sample);
+  for (const Sample& sample : held_) {
+    write(sample);
+    timeline_->take(sample);
+  }
 }
 
 // A session that has a position goes on from it. A building that was removed is still tracked in.
@@ -150,7 +160,9 @@ void TrackingSession::follow() {
   if (!factory) return;
   building_ = std::move(newest);
   factory_ = *factory;
-  timeline_->exchange(factory_, random_.split(), applied_through_);
+  const Random random = random_.split();
+  if (tape_) write(TapeExchanged{tracked_with(), random, applied_through_});
+  timeline_->exchange(factory_, random, applied_through_);
 }
 
 bool TrackingSession::resolve() {
@@ -179,12 +191,32 @@ void TrackingSession::track_in(std::shared_ptr<const Building> building) {
   }
   cannot_track_.reset();
   factory_ = *factory;
-  timeline_.emplace(factory_->make_tracker(random_.split()));
+  const Random random = random_.split();
+  if (tape_) write(TapeBegun{tracked_with(), random});
+  timeline_.emplace(factory_->make_tracker(random));
+}
+
+// Before a batch: the tape, where one is wanted, and a piece to write on that begins with the tracker as it stands.
+void TrackingSession::find_tape() {
+  if (!request_.recordings || (request_.recordings->idle() && !tape_)) return;
+  if (!timeline_ || !building_) return;  // nothing is tracked yet: the next batch is asked again
+  tape_ = request_.recordings->tape_for(std::move(tape_), building_->record().id, tracked_, request_.device_model, request_.app, seed_);
+  if (!tape_ || !tape_->tape.wants_piece(request_.recordings->now())) return;
+  const std::size_t bytes = tape_->tape.begin_piece(timeline_->clone(), tracked_with(), request_.recordings->now());
+  request_.recordings->grown(*tape_, bytes, true);
+}
+
+void TrackingSession::write(TapeEntry entry) {
+  if (tape_) written_ += tape_->tape.write(std::move(entry), request_.recordings->now());
+}
+
+TrackedWith TrackingSession::tracked_with() const {
+  return {building_, request_.recordings->description_of(*building_), building_->map_version(), factory_->spec().name};
 }
 
 Result<Explanation> TrackingSession::explain() const {
   std::shared_ptr<const Building> building;
-  std::string pipeline;
+  std::shared_ptr<const TrackerFactory> factory;
   PositionGrounds grounds;
   {
     const std::lock_guard lock(mutex_);
@@ -194,12 +226,13 @@ Result<Explanation> TrackingSession::explain() const {
     auto position = tracker.position(*timeline_->newest());
     if (!position) return no_position(tracker.why_no_fix());
     building = building_;
-    pipeline = factory_->spec().name;
+    factory = factory_;
     grounds = grounds_of(tracker, *std::move(position), newest_scan_);
   }
   Explanation explanation = wayfuse::explain(*building, std::move(grounds));  // a pass over the survey: the phone does not wait for it
   explanation.tracked = tracked_;
-  explanation.pipeline = std::move(pipeline);
+  explanation.pipeline = factory->spec().name;
+  explanation.remarks = factory->remarks();
   return explanation;
 }
 

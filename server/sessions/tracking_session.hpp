@@ -10,6 +10,7 @@
 
 #include "server/buildings/building_shelf.hpp"
 #include "server/sessions/explanation.hpp"
+#include "server/sessions/recording_shelf.hpp"
 #include "server/sessions/timeline.hpp"
 #include "wayfuse/proto/message.hpp"
 
@@ -24,6 +25,7 @@ struct SessionRequest {
   std::string device_model;
   std::string app;
   std::uint64_t begins_after = 0;  ///< the first sample's number less one
+  RecordingShelf* recordings = nullptr;  ///< where what it is fed is written down, while an operator wants that; null = nowhere
   UnixTime since;
 };
 
@@ -107,12 +109,17 @@ class TrackingSession {
   bool resolve();
   void track_in(std::shared_ptr<const Building> building);
   void answer(Outcome& outcome, Duration still_interval);
+  void find_tape();
+  void write(TapeEntry entry);
+  TrackedWith tracked_with() const;
 
   SessionRequest request_;
   const std::string name_;
   const std::string tracked_;
   const BuildingShelf& buildings_;
   std::atomic<std::int64_t> disconnected_since_us_;  ///< kConnected while attached
+
+  const std::uint64_t seed_;
 
   mutable std::mutex mutex_;
   Random random_;
@@ -129,6 +136,8 @@ class TrackingSession {
   bool at_rest_ = false;
   std::uint32_t late_in_a_row_ = 0;
   std::optional<FusedPosition> said_;  ///< the last position given to this connection
+  std::shared_ptr<RecordedSession> tape_;  ///< null: nothing is recorded
+  std::size_t written_ = 0;            ///< bytes of this batch
 };
 
 }  // namespace wayfuse

@@ -89,6 +89,7 @@ TEST(Access, HoldsOverTheWholeMatrixOfRoutesScopesAndBuildings) {
       path = fill(fill(fill(path, "{pipeline}", "p1"), "{key}", "12345"), "{zone}", "1");
       path = fill(fill(fill(path, "{floor}", "0"), "{webhook}", "1"), "{tracked}", "phone-1");
       path = fill(fill(fill(path, "{version}", "1"), "{walk}", "1"), "{bssid}", "00:1b:2c:00:00:01");
+      path = fill(path, "{recording}", "7");
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "").status, 401) << route.pattern;
       EXPECT_EQ(api.ask(route.method, fill(path, "{building}", "1"), "wf_wrong").status, 401) << route.pattern;
       if (held != route.scope) {

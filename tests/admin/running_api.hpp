@@ -15,6 +15,7 @@
 #include "server/webhooks/webhook_sender.hpp"
 #include "server/zones/zone_watch.hpp"
 #include "tests/admin/fake_maps.hpp"
+#include "tests/admin/fake_recordings.hpp"
 #include "tests/admin/schema_check.hpp"
 
 namespace wayfuse {
@@ -69,7 +70,7 @@ class RunningApi {
       if (tracked == "phone-3") return Fault{FaultCode::kConflict, "position", "there is none: nothing heard"};
       if (tracked != "phone-1" || building.value > 1) return Fault{FaultCode::kNotFound, "tracked", "there is no live session of this name here"};
       Explanation explanation{.tracked = tracked, .pipeline = "p1", .position = {}, .readings = {}, .surveyed_points = 8,
-                              .doubts = {"it rains"}, .particles = {{{1.5, 2.5}, 1.0}}};
+                              .doubts = {"it rains"}, .remarks = {}, .particles = {{{1.5, 2.5}, 1.0}}};
       explanation.position.building = {1};
       explanation.position.integrity = Integrity::kDegraded;
       explanation.position.floors = {{FloorOrdinal{2}, 0.75}, {FloorOrdinal{1}, 0.25}};
@@ -107,6 +108,7 @@ class RunningApi {
     add_survey_routes(*router, *store, server);
     add_operation_routes(*router, *store, server, *zones);
     add_explanation_routes(*router, sessions);
+    add_recording_routes(*router, recordings);
     add_zone_routes(*router, *store, *zones, *keys, clock);
     webhooks = std::make_unique<WebhookSender>(*store, *zones, clock, WebhookSettings{}, 1);
     add_plan_routes(*router, *store, server, *zones, [](std::function<void()> task) { task(); });
@@ -159,6 +161,7 @@ class RunningApi {
   FakeServer server;
   FakeSessions sessions;
   FakeMaps maps;
+  FakeRecordings recordings;
   std::unique_ptr<DatabaseDirectory> store;
   std::unique_ptr<KeyRing> keys;
   std::unique_ptr<AuditTrail> audit;

@@ -36,12 +36,13 @@ const std::map<std::string, Rooms>& allowed() {
                           "sdk/include/wayfuse/sdk/recording.hpp"}},
       {"server/maps", {"vocabulary", "wire", "db", "admin/map_control.hpp", "server/pipeline", "server/buildings", "server/quality"}},
       {"server/sessions", {"vocabulary", "wire", "server/buildings", "server/pipeline", "db", "admin/server_control.hpp",
-                           "admin/session_control.hpp", "admin/zone_control.hpp"}},
+                           "admin/session_control.hpp", "admin/zone_control.hpp", "admin/recording_control.hpp"}},
+      {"server/recordings", {"vocabulary", "wire", "db", "admin/recording_control.hpp", "admin/http.hpp", "server/pipeline", "server/buildings", "server/sessions"}},
       {"server/zones", {"vocabulary", "wire", "db", "admin/zone_control.hpp", "admin/plan/planar.hpp"}},
       {"server/webhooks", {"vocabulary", "wire", "db", "admin/webhook_control.hpp", "admin/zone_control.hpp"}},
       {"server/net", {"vocabulary", "wire", "server/sessions", "admin/router.hpp", "admin/http.hpp"}},
       {"server", {"vocabulary", "wire", "db", "admin", "server/pipeline", "server/buildings", "server/quality",
-                  "server/sessions", "server/zones", "server/webhooks", "server/maps", "server/net"}},
+                  "server/sessions", "server/zones", "server/webhooks", "server/maps", "server/recordings", "server/net"}},
   };
   return table;
 }

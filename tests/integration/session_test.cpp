@@ -86,6 +86,36 @@ TEST_F(OwnSessions, AWalkGoesOverToTheNewerMapAndBackAtARollback) {
   EXPECT_EQ(walk(), 1u);
 }
 
+TEST_F(Sessions, AReplayGivesWhatThePhoneWasToldOverTheSocket) {
+  start();
+  make_building("Hall");
+  survey(building);
+  const std::string path = "/v1/buildings/" + std::to_string(building);
+  RawWebsocket phone(where(), key);
+  phone.send(hello(Role::kTrack, building));
+  ASSERT_TRUE(phone.expect<Welcome>());
+  phone.send(scans(1, 3));
+  ASSERT_TRUE(phone.expect<Position>());
+  ASSERT_EQ(http(where(), "PUT", path + "/recording", key, R"({"on_for_s":600})").status, 200);
+  for (std::uint64_t number = 4; number <= 13; number += 2) {
+    phone.send(scans(number, 2));
+    ASSERT_TRUE(phone.expect<Position>());
+  }
+  const auto listed = http(where(), "GET", path + "/recordings", key);
+  EXPECT_NE(listed.body.find("\"steps\":5,"), std::string::npos) << listed.body;
+  const std::string mark = "\"id\":";
+  const auto id = std::to_string(std::strtoull(listed.body.c_str() + listed.body.find(mark) + mark.size(), nullptr, 10));
+  const auto again = http(where(), "POST", path + "/recordings/" + id + "/replay", key, "{}");
+  ASSERT_EQ(again.status, 200) << again.body;
+  for (const char* said : {"\"as_it_was\":true", "\"steps_in_all\":5", "\"differing\":0", "\"as_live\":true"}) {
+    EXPECT_NE(again.body.find(said), std::string::npos) << said << " is not in " << again.body;
+  }
+  const auto content = http(where(), "GET", path + "/recordings/" + id, key);
+  EXPECT_NE(content.body.find("\"sequence\":4}"), std::string::npos) << content.body;
+  EXPECT_NE(content.body.find("\"sequence\":13}"), std::string::npos) << content.body;
+  EXPECT_EQ(http(where(), "DELETE", path + "/recordings", key).body, "{\"erased\":1}");
+}
+
 TEST_F(Sessions, ResumeAfterABrokenConnection) {
   start();
   make_building("Hall");
