@@ -176,6 +176,27 @@ def a_silent_phone_is_not_explained(api, v, server):
     asyncio.run(hello())
 
 
+def recorded(api, walked):
+    for _ in range(20000):
+        if found := api.list_recordings(walked)["recordings"]:
+            return found[0]["id"]
+
+
+def a_session_is_lived_through_again(api, v, walked):
+    assert api.show_recording_state(walked)["on"]
+    here = {**walked, "recording": recorded(api, walked)}
+    v["recording"] = here["recording"]
+    as_it_was = api.replay_recording(v, body={})
+    assert as_it_was["as_it_was"] and as_it_was["differing"] == 0 and as_it_was["steps"], as_it_was
+    assert not api.replay_building_recording(here)["as_it_was"]  # the example asks for another pipeline
+    assert api.get_recording(v).count(b"\n") > 1 and api.get_building_recording(here).startswith(b'{"type":"wayfuse-recording"')
+    api.erase_building_recording(here)
+    api.order_recording(walked)
+    v["recording"] = recorded(api, walked)
+    api.erase_recording(v)
+    assert api.erase_recordings(walked)["erased"] == 0
+
+
 def a_phone_is_explained(api, v, server):
     world = json.loads(subprocess.run([server.programs.phone, "world", "--pipeline", "wknn"], check=True, capture_output=True).stdout)
     walked = {"building": api.create_building(body=world)["id"]}
@@ -185,6 +206,7 @@ def a_phone_is_explained(api, v, server):
     for _ in range(2000):
         if api.show_building(walked)["radio_map_version"] >= surveyed:
             break
+    api.order_recording(walked)
     phone = subprocess.Popen(server.phone("walk", "--building", str(walked["building"]), "--phones", "1", "--minutes", "1000", "--speed", "2",
                                           "--no-compare"), env=environment, stdout=subprocess.DEVNULL)
     try:
@@ -195,6 +217,7 @@ def a_phone_is_explained(api, v, server):
         assert any(each["tracked"] == sessions[0]["tracked"] for each in api.list_sessions()["sessions"])
         v["tracked"] = sessions[0]["tracked"]
         assert api.explain_session(v)["used"] and api.explain_building_session({**walked, **{"tracked": v["tracked"]}})["particles"] is not None
+        a_session_is_lived_through_again(api, v, walked)
     finally:
         phone.terminate()
         phone.wait()

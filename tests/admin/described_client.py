@@ -11,6 +11,11 @@ import urllib.parse
 import jsonschema
 
 
+def speaks_json(media_type):
+    """One document, not one a line."""
+    return "json" in media_type and "ndjson" not in media_type
+
+
 class Misfit(AssertionError):
     """An answer that the document does not describe."""
 
@@ -82,7 +87,7 @@ class Operation:
             return
         if answer.media_type not in described["content"]:
             raise Misfit(f"{at}: {answer.media_type} is not described")
-        if "json" in answer.media_type:
+        if speaks_json(answer.media_type):
             try:
                 self.client.validator(described["content"][answer.media_type]["schema"]).validate(answer.json())
             except jsonschema.ValidationError as misfit:
@@ -157,5 +162,5 @@ class Client:
             answer = self.ask(name, values, **more)
             if answer.status >= 400:
                 raise Misfit(f"{name}: {answer.status}: {answer.body[:300]}")
-            return answer.json() if "json" in answer.media_type else answer.body
+            return answer.json() if speaks_json(answer.media_type) else answer.body
         return call
