@@ -171,7 +171,8 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
   command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
   command
       ->add_option("--pipelines", options->pipelines,
-                   "Presets to compare; the last one is compared with each other walk by walk")
+                   "Presets to compare; the last one is compared with each other walk by walk. With --direct also FILE.json and "
+                   "PRESET:role.setting=value+role.setting=value")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");

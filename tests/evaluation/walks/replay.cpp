@@ -1,8 +1,10 @@
 #include "tests/evaluation/walks/replay.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "server/quality/walk_quality.hpp"
 #include "wayfuse/sdk/motion_tracker.hpp"
@@ -46,10 +48,34 @@ Result<PipelineSpec> from_file(const std::string& path) {
   return parse_pipeline(std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
+// `default:filter.walkable=0+locator.learn=0`: a preset with these settings instead of its own.
+Result<PipelineSpec> changed(const std::string& pipeline) {
+  const std::size_t colon = pipeline.find(':');
+  auto spec = preset(pipeline.substr(0, colon));
+  if (!spec) return spec;
+  std::istringstream changes(pipeline.substr(colon + 1));
+  for (std::string change; std::getline(changes, change, '+');) {
+    const std::size_t dot = change.find('.'), equals = change.find('=');
+    const auto part = spec->parts.find(change.substr(0, dot));
+    char* end = nullptr;
+    const double value = equals == std::string::npos ? 0.0 : std::strtod(change.c_str() + equals + 1, &end);
+    if (dot >= equals || part == spec->parts.end() || end == change.c_str() + equals + 1 || *end != '\0') {
+      return Fault{FaultCode::kMalformed, pipeline, "`" + change + "` is not role.setting=number of a role the preset fills"};
+    }
+    part->second.settings[change.substr(dot + 1, equals - dot - 1)] = value;
+  }
+  return spec;
+}
+
+Result<PipelineSpec> spec_of(const std::string& pipeline) {
+  if (pipeline.ends_with(".json")) return from_file(pipeline);
+  return pipeline.find(':') == std::string::npos ? preset(pipeline) : changed(pipeline);
+}
+
 }  // namespace
 
 Result<void> DirectReplay::prepare(const std::string& pipeline) {
-  const auto spec = pipeline.ends_with(".json") ? from_file(pipeline) : preset(pipeline);
+  const auto spec = spec_of(pipeline);
   if (!spec) return spec.fault();
   const auto factory = assemble(*spec, site_);
   if (!factory) return factory.fault();

@@ -32,7 +32,8 @@ class WalkReplay {
 class DirectReplay final : public WalkReplay {
  public:
   explicit DirectReplay(std::shared_ptr<const Site> site) : site_(std::move(site)) {}
-  /// Prepares a pipeline before the threads begin.
+  /// Prepares a pipeline before the threads begin: a preset, a file `NAME.json`, or a preset with settings changed,
+  /// `PRESET:role.setting=value+role.setting=value`.
   Result<void> prepare(const std::string& pipeline);
   std::string_view path() const override { return "direct"; }
   Result<WalkReply> run(const RecordedWalk& walk, std::span<const Instant> instants, const std::string& pipeline,
