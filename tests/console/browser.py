@@ -111,7 +111,7 @@ class Browser:
         await self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     async def press(self, key):
-        code = {"Tab": 9, "Enter": 13, "Escape": 27, "+": 187, "-": 189}.get(key, 0)
+        code = {"Tab": 9, "Enter": 13, "Escape": 27, "+": 187, "-": 189, " ": 32, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39}.get(key, 0)
         text = {"Enter": "\r"}.get(key, key if len(key) == 1 else "")
         for kind in ("keyDown" if text else "rawKeyDown", "keyUp"):
             await self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, text=text)

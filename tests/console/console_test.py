@@ -21,7 +21,8 @@ SCREENS = {"wide": (1600, 1000), "tablet": (820, 1100), "phone": (390, 844)}
 
 
 # What a view has to open before it is looked at: what is pressed, and what must then be there.
-OPENED = {"live": [("#phones button", "[aria-pressed=true].link")], "sessions": [("#sessions a", ".residual")]}
+OPENED = {"live": [("#phones button", "[aria-pressed=true].link")], "sessions": [("#sessions a", ".residual")],
+          "replay": [("#recordings a", ".player")]}
 
 
 def unmeant(page):

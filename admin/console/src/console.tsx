@@ -1,4 +1,4 @@
-import { BookOpen, Building2, Database, FileStack, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun, Waypoints, Webhook } from 'lucide-preact';
+import { BookOpen, Building2, Database, FileStack, History, KeyRound, Layers, LogOut, MapPinned, Moon, Navigation, Router, ScrollText, Shapes, Sun, Waypoints, Webhook } from 'lucide-preact';
 import type { ComponentType } from 'preact';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { StandingContext, type Standing } from './context';
@@ -18,6 +18,7 @@ import { RadioMaps } from './views/radio_maps';
 import { Sessions } from './views/sessions';
 import { SignIn } from './views/sign_in';
 import { Survey } from './views/survey';
+import { TimeMachine } from './views/time_machine';
 import { Webhooks } from './views/webhooks';
 import { Zones } from './views/zones';
 import { tabKey } from './wire/api';
@@ -33,6 +34,7 @@ const view = (name: string, title: string, short: string, icon: unknown, show: C
 const kViews: View[] = [
   view('live', 'Live', 'Live', Navigation, Live),
   view('sessions', 'Sessions', 'Sessions', Waypoints, Sessions),
+  view('replay', 'Time machine', 'Replay', History, TimeMachine),
   view('zones', 'Zones', 'Zones', Shapes, Zones),
   view('survey', 'Survey', 'Survey', MapPinned, Survey),
   view('maps', 'Radio maps', 'Maps', Layers, RadioMaps),
