@@ -80,7 +80,7 @@ async def replay(page, system):
     assert await page.run(steps) > 1
     await page.until(f"{PAINTED % 'explanation'} > 0.0005")
     await page.run("document.activeElement.blur()")
-    step = "Number(document.getElementById('step').textContent)"
+    step = "Number(document.getElementById('step')?.textContent)"
     await page.press("End")
     await page.until(f"{step} === {steps}")
     await page.press("ArrowLeft")
