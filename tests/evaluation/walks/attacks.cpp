@@ -12,6 +12,7 @@
 namespace wayfuse {
 namespace {
 
+constexpr double kSamePlace_m = 0.01;          // the store rounds places
 constexpr double kElsewhere_m = 40.0;
 constexpr double kKidnapped_m = 30.0;
 constexpr double kCopied_dbm = -60.0;          // what a copyist finds worth copying
@@ -271,7 +272,8 @@ SurveyPoison::SurveyPoison(std::span<const RecordedWalk> survey, double points, 
 std::size_t SurveyPoison::among(std::span<const DoubtfulPoint> doubts) const {
   return static_cast<std::size_t>(std::ranges::count_if(doubts, [&](const DoubtfulPoint& doubt) {
     return std::ranges::any_of(moved_, [&](const ReferencePoint& point) {
-      return point.walk == doubt.walk && point.surveyed_at == doubt.surveyed_at && point.place == doubt.stated;
+      return point.walk == doubt.walk && point.surveyed_at == doubt.surveyed_at && point.place.floor == doubt.stated.floor &&
+             distance_m(point.place.point, doubt.stated.point) < kSamePlace_m;
     });
   }));
 }
