@@ -80,7 +80,7 @@ Run walk(std::uint64_t seed) {
   auto site = std::make_shared<Site>();
   site->survey = world.survey(fingerprints(), 20, random);
   auto learnt = std::make_shared<Site>(*site);
-  learnt->corrector = trained(world, site, random);
+  learnt->correctors["p4"] = trained(world, site, random);
   const auto nearest = pipeline("nn", site), plain = pipeline("p4", site, kPlain), corrected = pipeline("p4", learnt, kCorrected);
   const KnownStart start{{{-1.0, 0.2}, FloorOrdinal{0}}, 0.5, {}};
   std::map<std::string, std::unique_ptr<Tracker>> trackers;
