@@ -121,10 +121,12 @@ std::string to_json(const BuildingRecord& building, std::uint64_t points, std::u
   return json.dump();
 }
 
-std::string to_json(const std::vector<BuildingRecord>& buildings) {
+std::string to_json(const std::vector<BuildingRecord>& buildings, std::uint64_t next) {
   Json entries = Json::array();
   for (const BuildingRecord& building : buildings) entries.push_back(summary_of(building));
-  return Json{{"buildings", std::move(entries)}}.dump();
+  Json json{{"buildings", std::move(entries)}};
+  if (next != 0) json["next"] = next;
+  return json.dump();
 }
 
 }  // namespace wayfuse

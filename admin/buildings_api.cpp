@@ -7,6 +7,7 @@
 #include "admin/api.hpp"
 #include "admin/conditional.hpp"
 #include "admin/json_forms.hpp"
+#include "admin/query_values.hpp"
 
 namespace wayfuse {
 namespace {
@@ -16,6 +17,7 @@ struct Listing {
   std::mutex mutex;
   std::vector<BuildingRecord> found;
   std::size_t open = 0;
+  Page page;
   Respond respond;
 
   void arrived(std::optional<BuildingRecord> record) {
@@ -25,7 +27,8 @@ struct Listing {
       if (--open > 0) return;
     }
     std::ranges::sort(found, {}, &BuildingRecord::id);
-    respond(json_response(200, to_json(found)));
+    const std::uint64_t next = cut_to(page, found, [](const BuildingRecord& building) { return building.id.value; });
+    respond(json_response(200, to_json(found, next)));
   }
 };
 
@@ -57,11 +60,14 @@ void answer_with_building(DatabaseDirectory& databases, const ServerControl& ser
   });
 }
 
-void list_buildings(DatabaseDirectory& databases, Respond respond) {
+void list_buildings(DatabaseDirectory& databases, const Request& request, Respond respond) {
+  const auto page = page_asked_in(request);
+  if (!page) return respond(problem(page.fault()));
   const std::vector<BuildingId> ids = databases.buildings();
-  if (ids.empty()) return respond(json_response(200, to_json(std::vector<BuildingRecord>{})));
+  if (ids.empty()) return respond(json_response(200, to_json(std::vector<BuildingRecord>{}, 0)));
   auto listing = std::make_shared<Listing>();
   listing->open = ids.size();
+  listing->page = *page;
   listing->respond = std::move(respond);
   for (const BuildingId id : ids) {
     databases.with_building(id, [listing](Result<BuildingDatabase*> database) {
@@ -162,7 +168,7 @@ Response json_response(int status, std::string body) {
 
 void add_building_routes(Router& router, DatabaseDirectory& databases, ServerControl& server) {
   router.add({"GET", "/v1/buildings", Scope::kAdmin, "All buildings",
-              [&](const Request&, const PathValues&, Respond respond) { list_buildings(databases, std::move(respond)); }});
+              [&](const Request& request, const PathValues&, Respond respond) { list_buildings(databases, request, std::move(respond)); }});
   router.add({"POST", "/v1/buildings", Scope::kAdmin, "Create a building",
               [&](const Request& request, const PathValues&, Respond respond) {
                 create_building(databases, server, request, std::move(respond));

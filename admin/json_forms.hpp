@@ -22,7 +22,7 @@ Result<BuildingRecord> parse_building(std::string_view json);
 /// Only the floors, as `{"floors": [...]}`.
 Result<std::vector<Floor>> parse_floors(std::string_view json);
 std::string to_json(const BuildingRecord& building, std::uint64_t points, std::uint64_t radio_map_version);
-std::string to_json(const std::vector<BuildingRecord>& buildings);
+std::string to_json(const std::vector<BuildingRecord>& buildings, std::uint64_t next);
 
 /// A page of points; `next` is the id to go on after, 0 = this was the last page.
 std::string to_json(const std::vector<StoredPoint>& points, std::uint64_t next);
@@ -59,6 +59,6 @@ std::string names_to_json(std::string_view field, const std::vector<std::string>
 /// A key as an operator asks for it: name, scopes, building, expiry. Hash and id are not part of it.
 Result<KeyRecord> parse_key(std::string_view json, UnixTime now);
 std::string to_json(const KeyRecord& key, std::string_view secret);
-std::string to_json(const std::vector<KeyRecord>& keys);
+std::string to_json(const std::vector<KeyRecord>& keys, std::uint64_t next);
 
 }  // namespace wayfuse

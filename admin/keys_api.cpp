@@ -1,5 +1,8 @@
+#include <algorithm>
+
 #include "admin/api.hpp"
 #include "admin/json_forms.hpp"
+#include "admin/query_values.hpp"
 
 namespace wayfuse {
 namespace {
@@ -16,6 +19,15 @@ void make_key(KeyRing& keys, const Clock& clock, const Request& request, Respond
   respond(std::move(response));
 }
 
+void list_keys(const KeyRing& keys, const Request& request, Respond respond) {
+  const auto page = page_asked_in(request);
+  if (!page) return respond(problem(page.fault()));
+  std::vector<KeyRecord> known = keys.keys();
+  std::ranges::sort(known, {}, &KeyRecord::id);
+  const std::uint64_t next = cut_to(*page, known, [](const KeyRecord& key) { return key.id; });
+  respond(json_response(200, to_json(known, next)));
+}
+
 void revoke_key(KeyRing& keys, const PathValues& path, Respond respond) {
   const auto id = id_in(path, "key");
   if (!id) return respond(problem(id.fault()));
@@ -27,7 +39,7 @@ void revoke_key(KeyRing& keys, const PathValues& path, Respond respond) {
 
 void add_key_routes(Router& router, KeyRing& keys, const Clock& clock) {
   router.add({"GET", "/v1/keys", Scope::kAdmin, "API keys, without the keys themselves",
-              [&](const Request&, const PathValues&, Respond respond) { respond(json_response(200, to_json(keys.keys()))); }});
+              [&](const Request& request, const PathValues&, Respond respond) { list_keys(keys, request, std::move(respond)); }});
   router.add({"POST", "/v1/keys", Scope::kAdmin, "Make a key; its secret is shown this once",
               [&](const Request& request, const PathValues&, Respond respond) { make_key(keys, clock, request, std::move(respond)); }});
   router.add({"DELETE", "/v1/keys/{key}", Scope::kAdmin, "Revoke a key",

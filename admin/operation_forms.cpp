@@ -114,10 +114,12 @@ std::string to_json(const KeyRecord& key, std::string_view secret) {
   return json.dump();
 }
 
-std::string to_json(const std::vector<KeyRecord>& keys) {
+std::string to_json(const std::vector<KeyRecord>& keys, std::uint64_t next) {
   Json entries = Json::array();
   for (const KeyRecord& key : keys) entries.push_back(to_form(key));
-  return Json{{"keys", std::move(entries)}}.dump();
+  Json json{{"keys", std::move(entries)}};
+  if (next != 0) json["next"] = next;
+  return json.dump();
 }
 
 }  // namespace wayfuse

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "admin/http.hpp"
 #include "wayfuse/proto/place.hpp"
@@ -52,6 +53,22 @@ inline Result<Page> page_in(const Request& request) {
   const auto most = number_in<std::uint32_t>(request, "most", 100, 1, 1000);
   if (!most) return most.fault();
   return Page{*after, *most};
+}
+
+/// For lists that are short and known whole: a page where `most` is asked for, else everything there is after `after`.
+inline Result<Page> page_asked_in(const Request& request) {
+  auto page = page_in(request);
+  if (page && !request.query.contains("most")) page->most = UINT32_MAX;
+  return page;
+}
+
+/// Cuts a list, ascending by what `id_of` says, to a page; answers the `after` to go on with, 0 at the end.
+template <typename Entry, typename IdOf>
+std::uint64_t cut_to(const Page& page, std::vector<Entry>& entries, IdOf id_of) {
+  std::erase_if(entries, [&](const Entry& entry) { return id_of(entry) <= page.after; });
+  if (entries.size() <= page.most) return 0;
+  entries.erase(entries.begin() + page.most, entries.end());
+  return id_of(entries.back());
 }
 
 }  // namespace wayfuse

@@ -19,6 +19,28 @@ const char* const kSurvey = R"({"type": "survey", "idempotency_key": "batch-1", 
   {"place": {"x_m": 7.5, "y_m": 5, "floor": 0}, "surveyed_at_us": 1700000001000000,
    "scans": [{"time_us": 2000000, "readings": [{"bssid": "00:1b:2c:00:00:01", "rss_dbm": -55}]}]}]})";
 
+TEST(BuildingsApi, ListsAreReadAPageAtATime) {
+  RunningApi api;
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_EQ(api.ask("POST", "/v1/buildings", api.admin, kBuilding).status, 201);
+    ASSERT_EQ(api.ask("POST", "/v1/keys", api.admin, R"({"name":"phone","scopes":["track"]})").status, 201);
+  }
+  for (const std::string kind : {"buildings", "keys"}) {
+    const auto whole = api.ask("GET", "/v1/" + kind, api.admin).json();
+    EXPECT_FALSE(whole.contains("next")) << kind;
+    ASSERT_GE(whole[kind].size(), 3u) << kind;
+    auto read = nlohmann::json::array();
+    nlohmann::json page{{"next", 0}};
+    while (page.contains("next")) {
+      page = api.ask("GET", "/v1/" + kind + "?most=2&after=" + page["next"].dump(), api.admin).json();
+      EXPECT_LE(page[kind].size(), 2u) << kind;
+      for (const auto& entry : page[kind]) read.push_back(entry);
+    }
+    EXPECT_EQ(read, whole[kind]) << kind;
+    EXPECT_EQ(api.ask("GET", "/v1/" + kind + "?most=0", api.admin).status, 422) << kind;
+  }
+}
+
 TEST(BuildingsApi, GivesBackTheBuildingItWasGiven) {
   RunningApi api;
   const auto created = api.ask("POST", "/v1/buildings", api.admin, kBuilding);
