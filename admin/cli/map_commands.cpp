@@ -106,8 +106,8 @@ void show_plan(const Json& plan) {
   if (plan["walks"].empty()) std::cout << "nothing left to walk that is worth it\n";
   std::size_t number = 0;
   for (const Json& walk : plan["walks"]) {
-    std::cout << ++number << ". walk " << text_of(walk, "length_m", "%.0f") << " m, then " << text_of(walk, "median_after_m") << " m: "
-              << text_of(walk, "why") << "\n   ";
+    const std::string way = walk["path"].size() > 1 ? "walk " + text_of(walk, "length_m", "%.0f") + " m" : "scan at one point";
+    std::cout << ++number << ". " << way << ", then " << text_of(walk, "median_after_m") << " m: " << text_of(walk, "why") << "\n   ";
     for (const Json& point : walk["path"]) std::printf(" (%.0f, %.0f)", point[0].get<double>(), point[1].get<double>());
     std::fflush(stdout);
     std::cout << "\n";

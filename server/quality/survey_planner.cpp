@@ -36,7 +36,7 @@ class Planner {
       if (best.empty() || gain(best) < kLeastGain * before * static_cast<double>(std::ranges::count(field_.inside, 1))) break;
       const double farthest_m = farthest(best);
       walk(best);
-      plan.walks.push_back({drawn(best), length(best), median(), why(best, farthest_m, before)});
+      plan.walks.push_back({drawn(best), length(best), median(), why(farthest_m, before)});
     }
     return plan;
   }
@@ -187,11 +187,11 @@ class Planner {
     simplify(points, corner, last, kept);
   }
 
-  std::string why(const Cells& way, double farthest_m, double mean_before_m) const {
+  std::string why(double farthest_m, double mean_before_m) const {
     char text[200];
     const char* more = farthest_m >= AccuracyModel::kFar_m - 0.01 ? "more than " : "up to ";
-    std::snprintf(text, sizeof text, "%.0f m over ground %s%.0f m from any survey: the mean error to expect goes from %.2f to %.2f m", length(way), more,
-                  farthest_m, mean_before_m, mean());
+    std::snprintf(text, sizeof text, "ground %s%.0f m from any survey: the mean error to expect goes from %.2f to %.2f m", more, farthest_m,
+                  mean_before_m, mean());
     return text;
   }
 
