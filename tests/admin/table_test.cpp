@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "admin/cli/explanation.hpp"
+#include "admin/cli/sessions_top.hpp"
 #include "admin/cli/table.hpp"
 
 namespace wayfuse::cli {
@@ -19,6 +20,23 @@ TEST(Table, ShowsAListAsRowsAndTheRestAsJson) {
             "1   track,survey  -\n");
   EXPECT_EQ(readable(R"({"ready":true})", "", {}), "{\n  \"ready\": true\n}\n");
   EXPECT_EQ(readable("not json", "", {}), "not json\n");
+}
+
+TEST(SessionsTop, ShowsTheLeastCertainFirstAndHowFastTheySpeak) {
+  const std::string before = R"({"sessions":[{"tracked":"phone-b","applied_through":10},{"tracked":"phone-a","applied_through":90}]})";
+  const std::string now = R"({"sessions":[
+      {"tracked":"phone-a","building":1,"device_model":"M","pipeline":"p1","connected":true,"applied_through":100,
+       "position":{"x_m":1,"y_m":2.26,"floor":0,"radius68_m":2.5,"integrity":"ok"}},
+      {"tracked":"phone-c","building":2,"device_model":"M","pipeline":"nn","connected":false,"applied_through":7},
+      {"tracked":"phone-b","building":1,"device_model":"M","pipeline":"p1","connected":true,"applied_through":5,
+       "position":{"x_m":3,"y_m":4,"floor":-1,"radius68_m":9,"integrity":"suspect"}}]})";
+  EXPECT_EQ(top_of(now, before, 4.0, 2),
+            "3 sessions, 2 connected, 2 placed\n"
+            "tracked  building  floor  x, y m    within m  integrity  samples/s  connected  pipeline  device\n"
+            "phone-b  1         -1     3.0, 4.0  9.0       suspect    -          yes        p1        M\n"
+            "phone-a  1         0      1.0, 2.3  2.5       ok         2.5        yes        p1        M\n"
+            "and 1 more\n");
+  EXPECT_EQ(top_of(R"({"sessions":[]})", "", 0, 9).substr(0, 10), "0 sessions");
 }
 
 TEST(Explained, SaysWhereThenHoldsEachReadingAgainstTheSurvey) {
