@@ -1,5 +1,5 @@
 import { Pause, Play, SkipBack, SkipForward } from 'lucide-preact';
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useState } from 'preact/hooks';
 import { Choice } from '../parts/choice';
 import { count } from '../parts/words';
 import type { ReplayStep } from '../wire/replay_shapes';
@@ -26,7 +26,7 @@ export function Player({ at, steps, step, onStep }: PlayerProps) {
     return () => clearTimeout(timer);
   }, [playing, at, next, speed, steps]);
 
-  useEffect(() => {
+  useLayoutEffect(() => {   // with the drawing, not after it: the next key must not find the step before
     const press = (event: KeyboardEvent) => {
       const target = event.target as HTMLElement;
       if (target.closest('select, textarea, input:not([type=range]), .map-box, dialog')) return;
