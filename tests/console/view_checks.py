@@ -74,20 +74,21 @@ async def replay(page, system):
     await page.until("document.querySelectorAll('#recordings tr').length === 5")
     steps = "Number(document.querySelector('.player input').max)"
     await page.until("[...document.querySelectorAll('#recordings .sub')].length > 0")
-    for _ in range(30):  # it still grows: looked into until it holds enough to step through
+    step = "Number(document.getElementById('step')?.textContent)"
+    enough = 12  # steps, so that scans are among what was recorded
+    for _ in range(120):  # it still grows, from nothing: looked into until it holds enough to step through
         await page.run("document.querySelector('#recordings a').click()")
-        await page.until("document.querySelector('.player') && document.querySelector('.residual')")
-        if await page.run(steps) > 3:
+        await page.until(f"document.querySelector('.player input') || {says('Nothing was heard of this session yet')}")
+        if await page.run("document.querySelector('.player input') !== null") and await page.run(steps) >= enough:
             break
         await page.run("document.querySelector('[aria-label=\"All recordings\"]').click()")
         await page.until("document.querySelector('#recordings a')")
-    assert await page.run(steps) > 3, "the recording does not grow"
+    assert await page.run(steps) >= enough, "the recording does not grow"
     assert await page.run(says("bit for bit")), "the replay differs from the live session"
-    await page.until(f"{PAINTED % 'explanation'} > 0.0005")
     await page.run("document.activeElement.blur()")
-    step = "Number(document.getElementById('step')?.textContent)"
     await page.press("End")
-    await page.until(f"{step} === {steps}")
+    await page.until(f"{step} === {steps} && document.querySelector('.residual')")
+    await page.until(f"{PAINTED % 'explanation'} > 0.0005")
     await page.press("ArrowLeft")
     await page.until(f"{step} === {steps} - 1")
     await page.press("Home")
@@ -95,7 +96,10 @@ async def replay(page, system):
     await page.press(" ")
     await page.until(f"{step} === {steps}")  # it plays to the end
     await page.run(fill(".side select", "p1"))
-    await page.until(f"{step} === 1 && document.querySelector('.residual') && !{says('bit for bit')}", 120)
+    await page.until(f"{step} === 1 && document.querySelector('.player input') && !{says('bit for bit')}", 120)
+    await page.run("document.activeElement.blur()")
+    await page.press("End")
+    await page.until(f"{step} === {steps} && document.querySelector('.residual')")
     await page.run("document.querySelector('[aria-label=\"All recordings\"]').click()")
     await page.until(says("Recording every phone"))
     await page.run(click("Stop"))
