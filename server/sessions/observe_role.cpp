@@ -147,9 +147,11 @@ class ObserveRole final : public RoleConversation, public std::enable_shared_fro
 
 Result<std::shared_ptr<RoleConversation>> begin_observing(RoleSeat seat, const Hello& hello) {
   const BuildingId building = hello.building.value != 0 ? hello.building : seat.rights.building;
-  const auto snapshot = building.value != 0 ? seat.world.buildings.find(building) : nullptr;
-  if (building.value != 0 && !snapshot) {
-    return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+  std::shared_ptr<const Building> snapshot;
+  if (building.value != 0) {
+    auto found = named_building(seat.world, building);
+    if (!found) return found.fault();
+    snapshot = *std::move(found);
   }
   seat.output.send(welcome_from(seat.world, snapshot.get(), seat.rights.expires_at));
   return std::shared_ptr<RoleConversation>(std::make_shared<ObserveRole>(std::move(seat), building));

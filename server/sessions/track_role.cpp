@@ -170,8 +170,9 @@ Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {
   request.since = seat.world.clock.wall_now();
   request.recordings = seat.world.recordings;
   if (hello.building.value != 0) {
-    request.building = seat.world.buildings.find(hello.building);
-    if (!request.building) return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
+    auto building = named_building(seat.world, hello.building);
+    if (!building) return building.fault();
+    request.building = *std::move(building);
     const auto pipeline = request.building->pipeline(hello.pipeline);
     if (!pipeline) return pipeline.fault();
   } else if (!hello.pipeline.empty()) {

@@ -44,6 +44,28 @@ TEST(TrackConversation, AsksForHelloFirst) {
   EXPECT_EQ(caller.output.closed->code, FaultCode::kHelloExpected);
 }
 
+// As right after a start: "no such building" would send phones and screens away for good.
+TEST(TrackConversation, ABuildingWhoseMapIsNotMadeYetIsToBeAskedForAgain) {
+  SessionHouse house;
+  const BuildingId hall = house.add_building("Hall", true);
+  house.buildings.remove(hall);
+  Hello watching = track_hello(hall);
+  watching.role = Role::kObserve;
+  for (const Hello& hello : {track_hello(hall), watching}) {
+    Caller early;
+    house.call(early);
+    early.say(hello);
+    ASSERT_TRUE(early.output.closed);
+    EXPECT_EQ(early.output.closed->code, FaultCode::kOverloaded);
+    EXPECT_EQ(early.output.closed->field, "building");
+  }
+  house.keeper->refresh(hall);
+  Caller later;
+  house.call(later);
+  later.say(track_hello(hall));
+  EXPECT_EQ(later.output.last<Welcome>().building, hall);
+}
+
 TEST(TrackConversation, GivesTheSameAnswerForAbsentAndForbiddenBuildings) {
   SessionHouse house;
   const BuildingId hall = house.add_building("Hall", true);
