@@ -23,7 +23,7 @@ killed_under_load() {
   settle kill "$building" 4
   nothing_lost "after the retries" kill "${PROJECT}_data" "$building" --settled
   lost=$(docker wait "$PROJECT-walkers")
-  [ "$lost" = 0 ] || { docker logs --tail 5 "$PROJECT-walkers" >&2; die "phones lost samples over the kills"; }
+  [ "$lost" = 0 ] || { docker logs --tail 8 "$PROJECT-walkers" >&2; die "phones lost samples over the kills"; }
   docker rm "$PROJECT-walkers" >/dev/null
   ok "30 phones walked through the kills, every sample acknowledged"
 }
@@ -43,7 +43,7 @@ disconnected_and_paused() {
   sleep 3   # the pause itself
   docker unpause "$PROJECT-walkers" >/dev/null
   status=$(docker wait "$PROJECT-walkers")
-  [ "$status" = 0 ] || { docker logs --tail 5 "$PROJECT-walkers" >&2; die "phones lost samples by the outage"; }
+  [ "$status" = 0 ] || { docker logs --tail 8 "$PROJECT-walkers" >&2; die "phones lost samples by the outage"; }
   docker rm -f "$PROJECT-walkers" "$PROJECT-squatter" >/dev/null
   [ "$(metric sequence_gaps_total)" = 0 ] || die "the server saw gaps in sample numbers"
   ok "cut off and frozen: every sample acknowledged, no gap"

@@ -148,11 +148,16 @@ bool live(NetworkLoop& loop, ScaledScheduler& clock, const std::vector<std::uniq
   }
   const PhoneTime deadline = loop.now() + kSettleMost;
   while (loop.now() < deadline && !std::ranges::all_of(phones, &TrackedPhone::settled)) loop.run_for(kTick);
-  const bool settled = std::ranges::all_of(phones, &TrackedPhone::settled);
+  std::size_t left_alone = 0;
+  for (const auto& phone : phones) {
+    if (phone->all_acknowledged()) continue;
+    ++left_alone;
+    if (left_alone == 1 && phone->fault()) std::fprintf(out, "The newest fault: %s\n", to_string(*phone->fault()).c_str());
+  }
   for (const auto& phone : phones) phone->stop();
   loop.run_for(kTick);
-  if (!settled) std::fprintf(out, "The server left samples unacknowledged.\n");
-  return settled && std::ranges::all_of(phones, [](const auto& phone) { return phone->samples_lost() == 0; });
+  if (left_alone > 0) std::fprintf(out, "The server left samples of %zu phones unacknowledged.\n", left_alone);
+  return left_alone == 0 && std::ranges::all_of(phones, [](const auto& phone) { return phone->samples_lost() == 0; });
 }
 
 }  // namespace

@@ -94,11 +94,14 @@ void TrackedPhone::stop() {
   if (wifi_client_) wifi_client_->stop();
 }
 
-bool TrackedPhone::settled() const {
-  const auto done = [](const Client& client) {
-    return client.state() == ClientState::kEnded || client.acked_through() == client.last_sequence();
-  };
+bool TrackedPhone::all_acknowledged() const {
+  const auto done = [](const Client& client) { return client.acked_through() == client.last_sequence(); };
   return done(*main_) && (!wifi_client_ || done(*wifi_client_));
+}
+
+bool TrackedPhone::settled() const {
+  const auto over = [](const Client& client) { return client.state() == ClientState::kEnded; };
+  return all_acknowledged() || over(*main_) || (wifi_client_ && over(*wifi_client_));
 }
 
 void TrackedPhone::reckon() {

@@ -46,7 +46,8 @@ class TrackedPhone {
   /// Lives through everything up to `now`; false when the walk is over.
   bool advance(PhoneTime now);
   void stop();
-  /// Everything sent was acknowledged (or the session ended).
+  bool all_acknowledged() const;
+  /// Nothing more is to be waited for: everything sent was acknowledged, or the session ended.
   bool settled() const;
 
   const ErrorLog& fused() const { return fused_; }
