@@ -178,14 +178,15 @@ void FusionTracker::feed(const RssScan& scan) {
   if (!locator_ || !fresh) return;
   ++heard_scans_;
   auto fix = locator_->locate(kept_);
-  if (!fix || !std::isfinite(fix->place.point.x_m) || !std::isfinite(fix->place.point.y_m)) return;
+  const BuildingPoint carried = minus(odometry_.now(), odometry_.at(fresh->heard));
+  if (!fix || !std::isfinite(fix->place.point.x_m) || !std::isfinite(fix->place.point.y_m)) return teach(carried);
   from_.transmitters_used = locator_->transmitters_known();
   from_.transmitters_unknown = locator_->transmitters_unknown();
   from_.steps_since_scan = 0;
   newest_reading_ = fresh->newest;
   const FloorProbability own{fix->place.floor, 1.0};  // of a locator that does not vote
   floor_.update(locator_->floors().empty() ? std::span(&own, 1) : locator_->floors());
-  apply(*fix, minus(odometry_.now(), odometry_.at(fresh->heard)));
+  apply(*fix, carried);
 }
 
 void FusionTracker::measure_velocity(const MotionReport& motion, const Motion& moved) {
@@ -215,6 +216,13 @@ void FusionTracker::apply(const Fix& fix, BuildingPoint carried) {
     apply_field(carried);
   }
   align_heading();
+  teach(carried);
+}
+
+// Where the filter says the phone was teaches the locator, also and above all when its own fix was none.
+void FusionTracker::teach(BuildingPoint carried) {
+  if (parts_->measurement == MeasurementKind::kNone || !filter_->started()) return;
+  advance(*newest_);
   const State mean = filter_->estimate().mean;
   locator_->learn(kept_, {minus({mean.x_m, mean.y_m}, carried), floor_.floor()});
 }

@@ -93,6 +93,7 @@ class FusionTracker final : public Tracker {
   void advance(PhoneTime time);
   void measure_velocity(const MotionReport& motion, const Motion& moved);
   void apply(const Fix& fix, BuildingPoint carried);
+  void teach(BuildingPoint carried);
   void apply_fix(BuildingPoint point, double sigma_m);
   void apply_ranges(BuildingPoint carried);
   void apply_field(BuildingPoint carried);

@@ -7,6 +7,8 @@
 namespace wayfuse {
 namespace {
 
+constexpr double kWidestTrack = 3.0;  // pixels
+
 struct Frame {
   BuildingPoint low{1e300, 1e300};
   BuildingPoint high{-1e300, -1e300};
@@ -88,16 +90,17 @@ class Legend {
 };
 
 std::string track_mark(const Paper& paper, const PlanTrack& track) {
-  std::string points;
+  const double width = std::clamp(track.width_m * paper.scale, 1.0, kWidestTrack);
+  std::string points, svg;
   for (const BuildingPoint p : track.points) points += paper.at(p) + " ";
-  const double width = std::max(1.0, track.width_m * paper.scale);
-  std::string svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) +
-                    "\" stroke-opacity=\"" + brief(track.opacity) +
-                    "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
+  if (track.joined) {
+    svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) +
+          "\" stroke-opacity=\"" + brief(track.opacity) + "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
+  }
   if (track.dots) {
     for (const BuildingPoint p : track.points) {
       svg += "<circle cx=\"" + brief(paper.x(p.x_m)) + "\" cy=\"" + brief(paper.y(p.y_m)) + "\" r=\"" + brief(1.4 * width) +
-             "\" fill=\"" + track.colour + "\"/>\n";
+             "\" fill=\"" + track.colour + "\" fill-opacity=\"" + brief(track.opacity) + "\"/>\n";
     }
   }
   return svg;

@@ -46,7 +46,8 @@ struct PlanTrack {
   std::vector<BuildingPoint> points;
   double width_m = 0.5;
   double opacity = 1.0;
-  bool dots = false;  ///< a dot at every point as well
+  bool dots = false;   ///< a dot at every point as well
+  bool joined = true;  ///< a line through the points; false for fixes that know nothing of each other
 };
 struct PlanArea {
   std::vector<BuildingPoint> cells;  ///< lower left corners

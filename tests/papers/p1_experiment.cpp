@@ -85,17 +85,18 @@ std::vector<Outcome> run(std::uint64_t seed) {
 std::vector<Drawing> draw(std::uint64_t seed) {
   const Run walked = walk(seed);
   PlanPicture plan{"P1: tracks on the office floor", nullptr, {}, {}, false};
-  plan.tracks.push_back({"truth", "#000000", walked.truth});
   std::vector<ValueSeries> errors;
   std::vector<LineSeries> over_time;
   std::size_t colour = 0;
   for (const char* system : {"WLAN", "MARG", "fused"}) {
     const Track& track = walked.tracks.at(system);
-    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points});
+    const bool fixes = std::string_view(system) == "WLAN";
+    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points, fixes ? 0.12 : 0.2, fixes ? 0.5 : 1.0, fixes, !fixes});
     LineSeries line{system, {}, false};
     for (std::size_t i = 0; i < track.errors_m.size(); ++i) line.points.push_back({track.times_s[i], track.errors_m[i], track.errors_m[i], track.errors_m[i]});
     over_time.push_back(line);
   }
+  plan.tracks.push_back({"truth", "#000000", walked.truth, 0.15});
   for (const auto& [system, track] : walked.tracks) errors.push_back({system, track.errors_m});
   return {{"p1-tracks", plan_picture(plan)},
           {"p1-error-over-time", line_chart({"P1: error over time", "time, s", "error, m"}, over_time)},

@@ -98,7 +98,8 @@ std::vector<Drawing> draw(std::uint64_t seed) {
   std::size_t colour = 0;
   for (const char* system : {"GNSS", "EKF", "UKF", "PF"}) {
     const Track& track = walked.tracks.at(system);
-    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points});
+    const bool fixes = std::string_view(system) == "GNSS";
+    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points, 0.5, fixes ? 0.5 : 1.0, fixes, !fixes});
     LineSeries line{system, {}, false};
     for (std::size_t i = 0; i < track.errors_m.size(); i += 5) {
       line.points.push_back({track.times_s[i], track.errors_m[i], track.errors_m[i], track.errors_m[i]});
