@@ -40,37 +40,25 @@ bool ParticleCloud::normalise() {
     return false;
   }
   kernels::exponentials(log_weights, padded_size(), most, weight_.data());
-  constexpr std::size_t kLanes = 16;  // fixed, so that the sums do not depend on the machine
-  std::array<float, kLanes> sums{}, squares{};
-  for (std::size_t i = 0; i < padded_size(); i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      sums[lane] += weight_[i + lane];
-      squares[lane] += weight_[i + lane] * weight_[i + lane];
-    }
-  }
+  std::array<float, 16> sums, squares;
+  kernels::sums_of_sixteen(weight_.data(), padded_size(), sums, squares);
   double sum = 0.0, square = 0.0;
   for (const float each : sums) sum += static_cast<double>(each);
   for (const float each : squares) square += static_cast<double>(each);
   effective_size_ = sum * sum / square;
   const float shift = most + static_cast<float>(std::log(sum));
-  const auto scale = static_cast<float>(1.0 / sum);
-  for (std::size_t i = 0; i < padded_size(); ++i) {
-    log_weights[i] -= shift;
-    weight_[i] *= scale;
-  }
+  kernels::shift_and_scale(log_weights, shift, weight_.data(), static_cast<float>(1.0 / sum), padded_size());
   return true;
 }
 
 void ParticleCloud::take_ancestors() {
-  const auto from = ancestors();
+  const auto from = ancestors_.get(padded_size());
+  std::fill(from.begin() + static_cast<std::ptrdiff_t>(size_), from.end(), 0u);
+  assert(std::ranges::all_of(from, [this](std::uint32_t ancestor) { return ancestor < size_; }));
   for (unsigned column = 0; column < kLogWeight; ++column) {
     auto& values = column_[column];
     if (values.empty()) continue;
-    const auto taken = spare_.get(values.size());
-    for (std::size_t i = 0; i < size_; ++i) {
-      assert(from[i] < size_);
-      taken[i] = values[from[i]];
-    }
+    kernels::gather(values.data(), from.data(), padded_size(), spare_.get(values.size()).data());
     spare_.swap(values);
   }
   level();

@@ -58,7 +58,7 @@ class ParticleCloud {
   /// Particle i becomes a copy of particle ancestors()[i]; all weights become equal.
   void take_ancestors();
   /// Scratch for resamplers, one entry a particle.
-  std::span<std::uint32_t> ancestors() { return ancestors_.get(size_); }
+  std::span<std::uint32_t> ancestors() { return ancestors_.get(padded_size()).first(size_); }
 
  private:
   std::size_t size_ = 0;

@@ -145,6 +145,15 @@ void AddSquaredDistance(const float* HWY_RESTRICT x_m, const float* HWY_RESTRICT
   }
 }
 
+void Gather(const float* HWY_RESTRICT values, const std::uint32_t* HWY_RESTRICT from, std::size_t padded, float* HWY_RESTRICT out) {
+  const Floats d;
+  const Ints di;
+  for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
+    const I index = hn::BitCast(di, hn::LoadU(Words(), from + i));
+    hn::StoreU(hn::GatherIndex(d, values, index), d, out + i);
+  }
+}
+
 float CleanAndMax(float* HWY_RESTRICT log_weight, std::size_t padded) {
   const Floats d;
   const F lowest = hn::Set(d, -std::numeric_limits<float>::infinity());
@@ -156,6 +165,29 @@ float CleanAndMax(float* HWY_RESTRICT log_weight, std::size_t padded) {
     most = hn::Max(most, clean);
   }
   return hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+void SumsOfSixteen(const float* HWY_RESTRICT values, std::size_t padded, float* HWY_RESTRICT sums, float* HWY_RESTRICT squares) {
+  const Floats d;
+  for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
+    F sum = hn::Zero(d), square = hn::Zero(d);
+    for (std::size_t i = lane; i < padded; i += 16) {
+      const F value = hn::LoadU(d, values + i);
+      sum = hn::Add(sum, value);
+      square = hn::Add(square, hn::Mul(value, value));
+    }
+    hn::StoreU(sum, d, sums + lane);
+    hn::StoreU(square, d, squares + lane);
+  }
+}
+
+void ShiftAndScale(float* HWY_RESTRICT shifted, float shift, float* HWY_RESTRICT scaled, float scale, std::size_t padded) {
+  const Floats d;
+  const F by = hn::Set(d, shift), times = hn::Set(d, scale);
+  for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
+    hn::StoreU(hn::Sub(hn::LoadU(d, shifted + i), by), d, shifted + i);
+    hn::StoreU(hn::Mul(hn::LoadU(d, scaled + i), times), d, scaled + i);
+  }
 }
 
 // Cephes' expf: 2^n times a polynomial on half a power of two to either side.
@@ -191,7 +223,10 @@ namespace wayfuse::kernels {
 HWY_EXPORT(Walk);
 HWY_EXPORT(WalkTurned);
 HWY_EXPORT(AddSquaredDistance);
+HWY_EXPORT(Gather);
 HWY_EXPORT(CleanAndMax);
+HWY_EXPORT(SumsOfSixteen);
+HWY_EXPORT(ShiftAndScale);
 HWY_EXPORT(Exponentials);
 
 void walk(float* x_m, float* y_m, std::size_t padded, float dx_m, float dy_m, float sigma_m, std::uint64_t key) {
@@ -205,7 +240,16 @@ void add_squared_distance(std::span<const float> x_m, std::span<const float> y_m
                           std::span<float> gained) {
   HWY_DYNAMIC_DISPATCH(AddSquaredDistance)(x_m.data(), y_m.data(), x_m.size(), zx_m, zy_m, scale, gained.data());
 }
+void gather(const float* values, const std::uint32_t* from, std::size_t padded, float* out) {
+  HWY_DYNAMIC_DISPATCH(Gather)(values, from, padded, out);
+}
 float clean_and_max(float* log_weight, std::size_t padded) { return HWY_DYNAMIC_DISPATCH(CleanAndMax)(log_weight, padded); }
+void sums_of_sixteen(const float* values, std::size_t padded, std::array<float, 16>& sums, std::array<float, 16>& squares) {
+  HWY_DYNAMIC_DISPATCH(SumsOfSixteen)(values, padded, sums.data(), squares.data());
+}
+void shift_and_scale(float* shifted, float shift, float* scaled, float scale, std::size_t padded) {
+  HWY_DYNAMIC_DISPATCH(ShiftAndScale)(shifted, shift, scaled, scale, padded);
+}
 void exponentials(const float* log_weight, std::size_t padded, float shift, float* out) {
   HWY_DYNAMIC_DISPATCH(Exponentials)(log_weight, padded, shift, out);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,10 +22,17 @@ void walk_turned(float* x_m, float* y_m, const float* bias_rad, const float* sca
 /// gained += scale ((x - zx)^2 + (y - zy)^2); any length.
 void add_squared_distance(std::span<const float> x_m, std::span<const float> y_m, float zx_m, float zy_m, float scale,
                           std::span<float> gained);
+/// out[i] = values[from[i]], below 2^31.
+void gather(const float* values, const std::uint32_t* from, std::size_t padded, float* out);
 /// NaN becomes -inf in place; the largest.
 float clean_and_max(float* log_weight, std::size_t padded);
 /// out = exp(log_weight - shift), differences at most 0; below -87 exactly 0.
 void exponentials(const float* log_weight, std::size_t padded, float shift, float* out);
+
+/// Sums and sums of squares of every sixteenth value, so that they do not depend on the machine.
+void sums_of_sixteen(const float* values, std::size_t padded, std::array<float, 16>& sums, std::array<float, 16>& squares);
+/// shifted -= shift, scaled *= scale.
+void shift_and_scale(float* shifted, float shift, float* scaled, float scale, std::size_t padded);
 
 /// Runs what follows on vector units no wider than the n-th of those this machine has, for tests; 0 = all again.
 /// Returns how many there are.

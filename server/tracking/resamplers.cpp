@@ -55,22 +55,24 @@ void MultinomialResampler::resample(ParticleCloud& cloud, Random& random) const 
 }
 
 void SystematicResampler::resample(ParticleCloud& cloud, Random& random) const {
-  // Particle i is pointed at by those of the pointers u, u + 1, ... that lie below N times the weights up to and with it.
+  // Particle i owns those of the pointers u, u + 1, ... that lie below N times the weights up to and with it. How many is anyone's
+  // guess, so nothing branches on it: each particle signs where its pointers begin (who owns none is signed over), and the newest
+  // signature counts from there on. Weights are whole numbers of 2^-40, whose sums wait for nothing and round nowhere.
+  constexpr int kBits = 40;
   const auto weights = cloud.weights();
   const auto ancestors = cloud.ancestors();
-  const auto particles = static_cast<double>(cloud.size());
-  const double first = random.uniform();
-  double reached = 0.0;
-  std::size_t pointed = 0;
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    reached += particles * static_cast<double>(weights[i]);
-    const double passed = std::max(0.0, reached - first);
-    auto below = static_cast<std::size_t>(passed);  // rounded up without a call into the library
-    below += static_cast<double>(below) < passed;
-    for (const std::size_t end = std::min(below, cloud.size()); pointed < end; ++pointed) ancestors[pointed] = i;
+  const auto particles = static_cast<std::int64_t>(cloud.size());
+  const std::int64_t rounding = (std::int64_t{1} << kBits) - 1 - static_cast<std::int64_t>(random.uniform() * 0x1p40);
+  std::ranges::fill(ancestors, 0u);
+  std::int64_t reached = 0, begins = 0;
+  for (std::uint32_t i = 0; i < cloud.size() && begins < particles; ++i) {
+    ancestors[static_cast<std::size_t>(begins)] = i;
+    reached += static_cast<std::int64_t>(weights[i] * 0x1p40f);
+    begins = (reached * particles + rounding) >> kBits;
   }
-  const std::uint32_t last = pointed > 0 ? ancestors[pointed - 1] : 0;
-  std::fill(ancestors.begin() + static_cast<std::ptrdiff_t>(pointed), ancestors.end(), last);  // rounding ate the end
+  if (begins < particles) ancestors[static_cast<std::size_t>(begins)] = 0;  // rounding ate the end: who owned the last one owns it
+  std::uint32_t owner = 0;
+  for (std::uint32_t& each : ancestors) each = owner = std::max(owner, each);
   cloud.take_ancestors();
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -83,6 +84,32 @@ TEST(ParticleKernels, ExponentialsAreRightToSevenDigitsAndTheSameOnEveryUnit) {
     }
     if (reference.empty()) reference = out;
     EXPECT_EQ(out, reference);
+  });
+}
+
+TEST(ParticleKernels, GatheringAndSummingEqualTheScalarReferenceBitByBitOnEveryUnit) {
+  std::vector<float> values(kSize);
+  std::vector<std::uint32_t> from(kSize);
+  std::array<float, 16> expected_sums{}, expected_squares{};
+  for (std::uint32_t i = 0; i < kSize; ++i) {
+    values[i] = 1.0f / static_cast<float>(i + 3);
+    from[i] = 131u * i % kSize;
+    expected_sums[i % 16] += values[i];
+    expected_squares[i % 16] += values[i] * values[i];
+  }
+  on_every_unit([&] {
+    std::vector<float> gathered(kSize), shifted = values, scaled = values;
+    kernels::gather(values.data(), from.data(), kSize, gathered.data());
+    std::array<float, 16> sums, squares;
+    kernels::sums_of_sixteen(values.data(), kSize, sums, squares);
+    EXPECT_EQ(sums, expected_sums);
+    EXPECT_EQ(squares, expected_squares);
+    kernels::shift_and_scale(shifted.data(), 0.3f, scaled.data(), 1.7f, kSize);
+    for (std::size_t i = 0; i < kSize; ++i) {
+      EXPECT_EQ(gathered[i], values[from[i]]);
+      EXPECT_EQ(shifted[i], values[i] - 0.3f);
+      EXPECT_EQ(scaled[i], values[i] * 1.7f);
+    }
   });
 }
 

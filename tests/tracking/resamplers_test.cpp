@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <vector>
 
 namespace wayfuse {
 namespace {
@@ -73,6 +75,37 @@ TEST(SystematicResampler, TakesFloorOrCeilingOfEachShare) {
   for (int i = 0; i < 20; ++i) {
     const double expected = 20.0 * (i + 1) / 210.0;
     EXPECT_LT(std::abs(count_of(cloud, static_cast<float>(i)) - expected), 1.0 + 1e-6) << i;
+  }
+}
+
+// Pointer k belongs to the particle whose share of the running sum it lies in; nobody without weight has any, at either end.
+TEST(SystematicResampler, GivesEveryPointerToTheParticleItLiesIn) {
+  constexpr std::size_t kMany = 997;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Random random(seed);
+    ParticleCloud cloud(kMany, 0);
+    for (std::size_t i = 0; i < kMany; ++i) {
+      cloud.x_m()[i] = static_cast<float>(i);
+      const bool none = i < 20 || i >= kMany - 20 || random.uniform() < 0.3;
+      cloud.log_weight()[i] = none ? -std::numeric_limits<float>::infinity() : static_cast<float>(8.0 * random.normal());
+    }
+    ASSERT_TRUE(cloud.normalise());
+    const std::vector<float> weights(cloud.weights().begin(), cloud.weights().end());
+    Random again = random;
+    const double first = again.uniform();
+    SystematicResampler{}.resample(cloud, random);
+    double below = 0.0;
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < kMany; ++i) {
+      const double above = below + kMany * static_cast<double>(weights[i]);
+      for (; k < kMany && cloud.x_m()[k] == static_cast<float>(i); ++k) {
+        EXPECT_GT(weights[i], 0.0f) << i;
+        EXPECT_GT(first + static_cast<double>(k), below - 0.02) << i;
+        EXPECT_LT(first + static_cast<double>(k), above + 0.02) << i;
+      }
+      below = above;
+    }
+    EXPECT_EQ(k, kMany);
   }
 }
 
