@@ -50,16 +50,15 @@ void AddOverlapsAndProducts(const std::uint32_t* HWY_RESTRICT start, const float
   }
 }
 
-void DistancesFromShared(const float* HWY_RESTRICT own, float all, const float* HWY_RESTRICT shared, std::size_t blocks,
-                         float* HWY_RESTRICT distances, float* HWY_RESTRICT least) {
+void LeastFromShared(const float* HWY_RESTRICT own, float all, const float* HWY_RESTRICT shared, const std::uint8_t* HWY_RESTRICT touched,
+                     std::size_t blocks, float* HWY_RESTRICT least) {
   const Floats d;
   const F everything = hn::Set(d, all), two = hn::Set(d, 2.0f);
   for (std::size_t b = 0; b < blocks; ++b) {
+    if (!touched[b]) continue;
     F lowest = hn::Set(d, std::numeric_limits<float>::infinity());
     for (std::size_t i = b * kBlock; i < (b + 1) * kBlock; i += hn::Lanes(d)) {
-      const F distance = hn::Sub(hn::Add(hn::LoadU(d, own + i), everything), hn::Mul(two, hn::LoadU(d, shared + i)));
-      hn::StoreU(distance, d, distances + i);
-      lowest = hn::Min(lowest, distance);
+      lowest = hn::Min(lowest, hn::Sub(hn::Add(hn::LoadU(d, own + i), everything), hn::Mul(two, hn::LoadU(d, shared + i))));
     }
     least[b] = hn::GetLane(hn::MinOfLanes(d, lowest));
   }
@@ -86,7 +85,7 @@ namespace wayfuse {
 namespace match {
 HWY_EXPORT(AddProducts);
 HWY_EXPORT(AddOverlapsAndProducts);
-HWY_EXPORT(DistancesFromShared);
+HWY_EXPORT(LeastFromShared);
 HWY_EXPORT(SimilarityDistances);
 }  // namespace match
 
@@ -123,6 +122,14 @@ LevelBlocks::LevelBlocks(std::size_t fingerprints, std::size_t transmitters, std
   while (transmitter < transmitters) first_[++transmitter] = static_cast<std::uint32_t>(start_.size());
 }
 
+void LevelBlocks::touch(std::uint32_t transmitter, std::span<std::uint8_t> touched, std::span<float> sums) const {
+  for (std::uint32_t b = first_[transmitter]; b < first_[transmitter + 1]; ++b) {
+    std::uint8_t& already = touched[start_[b] / kBlock];
+    if (!already) std::ranges::fill(sums.subspan(start_[b], kBlock), 0.0f);
+    already = 1;
+  }
+}
+
 void LevelBlocks::add_products(std::uint32_t transmitter, float value, std::span<float> products) const {
   assert(products.size() == padded_);
   const std::uint32_t begin = first_[transmitter];
@@ -138,9 +145,9 @@ void LevelBlocks::add_overlaps_and_products(std::uint32_t transmitter, float val
                                                       first_[transmitter + 1] - begin, value, overlaps.data(), products.data());
 }
 
-void distances_from_shared(std::span<const float> own, float all, std::span<const float> shared, std::span<float> distances,
-                           std::span<float> least_of_block) {
-  HWY_DYNAMIC_DISPATCH(match::DistancesFromShared)(own.data(), all, shared.data(), least_of_block.size(), distances.data(), least_of_block.data());
+void least_from_shared(std::span<const float> own, float all, std::span<const float> shared, std::span<const std::uint8_t> touched,
+                       std::span<float> least_of_block) {
+  HWY_DYNAMIC_DISPATCH(match::LeastFromShared)(own.data(), all, shared.data(), touched.data(), least_of_block.size(), least_of_block.data());
 }
 
 void similarity_distances(float total, std::span<const float> totals, std::span<const float> overlaps, std::span<float> sorensen,

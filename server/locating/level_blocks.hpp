@@ -31,6 +31,8 @@ class LevelBlocks {
 
   /// Number of fingerprints, rounded up to whole blocks: the length of every column of sums.
   std::size_t padded() const { return padded_; }
+  /// Sums of the blocks that hear the transmitter become 0 where `touched`, a flag a block, does not say that they are sums already.
+  void touch(std::uint32_t transmitter, std::span<std::uint8_t> touched, std::span<float> sums) const;
   /// products += value * level for every fingerprint that hears the transmitter.
   void add_products(std::uint32_t transmitter, float value, std::span<float> products) const;
   /// The same, and overlaps += the smaller of |value| and |level| where both have one sign.
@@ -52,9 +54,9 @@ class LevelBlocks {
   std::vector<float> values_;          // a block: kBlock levels
 };
 
-/// distances[i] = own[i] + all - 2 shared[i], and the least of each block of LevelBlocks::kBlock. Lengths are whole blocks.
-void distances_from_shared(std::span<const float> own, float all, std::span<const float> shared, std::span<float> distances,
-                           std::span<float> least_of_block);
+/// The least of own[i] + all - 2 shared[i] in each block of LevelBlocks::kBlock that was touched. Lengths are whole blocks.
+void least_from_shared(std::span<const float> own, float all, std::span<const float> shared, std::span<const std::uint8_t> touched,
+                       std::span<float> least_of_block);
 
 /// A mixture of Sorensen's distance and the cosine's, from sums over what both sides heard; lengths are whole blocks.
 ///

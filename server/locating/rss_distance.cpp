@@ -26,6 +26,9 @@ RssDistance::RssDistance(std::shared_ptr<const RadioMap> map, const RssDistanceS
   }
   blocks_ = LevelBlocks(map_->points().size(), map_->transmitters().size(), levels);
   against_silence_.resize(blocks_.padded(), std::numeric_limits<float>::infinity());
+  for (auto block = against_silence_.begin(); block != against_silence_.end(); block += LevelBlocks::kBlock) {
+    least_against_silence_.push_back(*std::min_element(block, block + LevelBlocks::kBlock));
+  }
 }
 
 double RssDistance::power(double difference) const {
@@ -42,10 +45,10 @@ double RssDistance::root(double powered) const {
 }
 
 void RssDistance::approximate(const KnownScan& scan, Approximate& out) const {
-  out.powered.resize(blocks_.padded());
-  out.least.resize(blocks_.padded() / LevelBlocks::kBlock);
-  out.shared.assign(blocks_.padded(), 0.0f);
-  if (settings_.exponent == 1.0) out.overlaps.assign(blocks_.padded(), 0.0f);
+  out.shared.resize(blocks_.padded());
+  out.touched.assign(least_against_silence_.size(), 0);
+  for (const KnownScan::Level& level : scan.levels) blocks_.touch(level.transmitter, out.touched, out.shared);
+  if (settings_.exponent == 1.0) out.products.assign(blocks_.padded(), 0.0f);
   double scan_silence = 0.0;
   for (const KnownScan::Level& level : scan.levels) {
     const double above = static_cast<double>(level.rss_dbm) - settings_.floor_dbm;
@@ -54,7 +57,7 @@ void RssDistance::approximate(const KnownScan& scan, Approximate& out) const {
     if (settings_.exponent == 2.0) {
       blocks_.add_products(level.transmitter, value, out.shared);
     } else if (settings_.exponent == 1.0) {
-      blocks_.add_overlaps_and_products(level.transmitter, value, out.overlaps, out.shared);
+      blocks_.add_overlaps_and_products(level.transmitter, value, out.shared, out.products);
     } else {
       const double alone = power(above);
       blocks_.for_each_level(level.transmitter, [&](std::uint32_t point, float at_point) {
@@ -63,8 +66,10 @@ void RssDistance::approximate(const KnownScan& scan, Approximate& out) const {
       });
     }
   }
-  distances_from_shared(against_silence_, static_cast<float>(scan_silence), settings_.exponent == 1.0 ? out.overlaps : out.shared,
-                        out.powered, out.least);
+  out.scan_alone = static_cast<float>(scan_silence);
+  out.least.resize(least_against_silence_.size());
+  std::ranges::transform(least_against_silence_, out.least.begin(), [&](float alone) { return alone + out.scan_alone; });
+  least_from_shared(against_silence_, out.scan_alone, out.shared, out.touched, out.least);
   // No partial sum exceeds all of |S|^a, |R|^a and 2 shared <= (1 + 2^(a-1)) (|S|^a + |R|^a); each level adds two roundings.
   const double magnitude = (2.0 + std::exp2(settings_.exponent)) * (most_against_silence_ + scan_silence);
   out.bound = static_cast<float>(kHalfUlp * (2.0 * static_cast<double>(scan.levels.size()) + 8.0) * magnitude);
@@ -86,7 +91,6 @@ double RssDistance::powered(const KnownScan& scan, std::uint32_t point) const {
 void RssDistance::nearest(const KnownScan& scan, const Approximate& approximate, std::size_t k, std::uint32_t begin,
                           std::uint32_t end, std::vector<Neighbour>& found) const {
   constexpr auto kBlock = static_cast<std::uint32_t>(LevelBlocks::kBlock);
-  const std::vector<float>& distances = approximate.powered;
   found.clear();
   // The k-th smallest approximate distance; blocks whose least lies beyond it are not looked into.
   float limit = std::numeric_limits<float>::infinity();
@@ -95,22 +99,22 @@ void RssDistance::nearest(const KnownScan& scan, const Approximate& approximate,
       if (!(approximate.least[block] <= limit)) continue;
       const std::uint32_t last = std::min(end, (block + 1) * kBlock);
       for (std::uint32_t j = std::max(begin, block * kBlock); j < last; ++j) {
-        if (distances[j] <= limit) act(j);
+        if (const float distance = powered(approximate, j); distance <= limit) act(j, distance);
       }
     }
   };
-  each_within([&](std::uint32_t j) {
+  each_within([&](std::uint32_t j, float distance) {
     if (found.size() == k) {
       std::ranges::pop_heap(found, std::less<>{});
       found.pop_back();
     }
-    found.push_back({j, static_cast<double>(distances[j])});
+    found.push_back({j, static_cast<double>(distance)});
     std::ranges::push_heap(found, std::less<>{});
     if (found.size() == k) limit = static_cast<float>(found.front().powered);
   });
   if (found.size() == k) limit += 2.0f * approximate.bound;
   found.clear();
-  each_within([&](std::uint32_t j) { found.push_back({j, powered(scan, j)}); });
+  each_within([&](std::uint32_t j, float) { found.push_back({j, powered(scan, j)}); });
   const std::size_t wanted = std::min(k, found.size());
   std::ranges::partial_sort(found, found.begin() + static_cast<std::ptrdiff_t>(wanted), std::less<>{});
   found.resize(wanted);

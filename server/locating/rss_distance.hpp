@@ -31,12 +31,13 @@ class RssDistance {
 
   const RadioMap& map() const { return *map_; }
 
-  /// D_j^a of every point to within `bound`; memory that is kept from scan to scan.
+  /// D_j^a of every point to within `bound`, as what it is made of; memory that is kept from scan to scan.
   struct Approximate {
-    std::vector<float> powered;    // a point, then up to a whole block
-    std::vector<float> least;      // a block
-    std::vector<float> shared;
-    std::vector<float> overlaps;
+    std::vector<float> shared;     // a point, then up to a whole block; of touched blocks only
+    std::vector<float> products;   // wanted for a = 1 only
+    std::vector<std::uint8_t> touched;  // a block: it hears something of the scan
+    std::vector<float> least;      // a block: the least D_j^a in it
+    float scan_alone = 0.0f;       // |S|^a
     float bound = 0.0f;
   };
   void approximate(const KnownScan& scan, Approximate& out) const;
@@ -52,6 +53,10 @@ class RssDistance {
   /// The k nearest points of begin .. end - 1, ascending; `found` is all memory it needs.
   void nearest(const KnownScan& scan, const Approximate& approximate, std::size_t k, std::uint32_t begin, std::uint32_t end,
                std::vector<Neighbour>& found) const;
+  float powered(const Approximate& approximate, std::uint32_t point) const {
+    const float apart = against_silence_[point] + approximate.scan_alone;
+    return approximate.touched[point / LevelBlocks::kBlock] ? apart - 2.0f * approximate.shared[point] : apart;
+  }
   /// D_j^a of one point by the definition.
   double powered(const KnownScan& scan, std::uint32_t point) const;
   double root(double powered) const;
@@ -63,6 +68,7 @@ class RssDistance {
   RssDistanceSettings settings_;
   LevelBlocks blocks_;                       // levels above the floor
   std::vector<float> against_silence_;       // a point, then infinite up to a whole block
+  std::vector<float> least_against_silence_; // a block
   double most_against_silence_ = 0.0;
 };
 

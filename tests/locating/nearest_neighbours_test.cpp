@@ -63,7 +63,7 @@ TEST(RssDistance, EqualsItsDefinitionOnRandomSparseMaps) {
     for (std::uint32_t j = 0; j < map->points().size(); ++j) {
       const double expected = distance_by_definition(*map, map->points()[j], scan, exponent, -100.0);
       EXPECT_NEAR(distance.powered(known, j), expected, 1e-9 * std::max(1.0, expected)) << "exponent " << exponent;
-      EXPECT_NEAR(found.powered[j], expected, found.bound) << "exponent " << exponent;
+      EXPECT_NEAR(distance.powered(found, j), expected, found.bound) << "exponent " << exponent;
       all.push_back({j, distance.powered(known, j)});
     }
     std::ranges::sort(all, std::less<>{});
