@@ -43,12 +43,15 @@ struct Best {
   Place place;
 };
 
-/// What the others say about a point.
+/// What the others say about a point, in Sorensen distance.
 struct Verdict {
-  double excess = -1.0;                      // of Sorensen distance; negative: fits here best
+  float near = 2.0f;                         // of the likest around its place; 2: nobody is near
+  float likest = 2.0f;                       // of the likest far off
+  float elsewhere = 2.0f;                    // of the second walk there that says the same
   Place heard_at;
   bool judged = false;
-  bool twin_only = false;                    // nobody near
+
+  bool alone() const { return near > 1.5f; }
 };
 
 class Gate {
@@ -61,6 +64,7 @@ class Gate {
   std::vector<SurveyDoubt> doubts() {
     check_pace();
     for (std::size_t w = 0; w < witnesses_.size(); ++w) verdicts_.push_back(judge(w));
+    find_usual();
     // Who is doubted bears no witness: those it spoke against, and itself, are heard again without it.
     const auto accused = accuse();
     for (const std::size_t w : accused) witnesses_[w].believed = false;
@@ -72,7 +76,7 @@ class Gate {
       const double off_m = place.floor == verdict.heard_at.floor ? distance_m(place.point, verdict.heard_at.point)
                                                                  : std::numeric_limits<double>::infinity();
       add({witnesses_[w].point, walks_[witnesses_[w].walk].misplaced ? SurveyDoubt::Cause::kWalk : SurveyDoubt::Cause::kRadio, verdict.heard_at, off_m,
-           verdict.excess});
+           excess(verdict)});
     }
     std::ranges::sort(found_, {}, &SurveyDoubt::point);
     return std::move(found_);
@@ -153,16 +157,33 @@ class Gate {
                           distance_m(best.place.point, first->place.point) <= kAgree_m;
       if (agrees) second = std::min(second, best.distance);
     }
-    Verdict verdict{-1.0, first->place, true, nearest > 1.5f};
-    const double elsewhere = static_cast<double>(second);
-    verdict.excess = verdict.twin_only ? (elsewhere <= settings_.twin ? settings_.margin : -1.0) : static_cast<double>(nearest) - elsewhere;
-    return verdict;
+    return {nearest, first->distance, second, first->place, true};
+  }
+
+  // How well points fit around their own places, of those that fit nowhere better: misplaced ones have no say in it.
+  void find_usual() {
+    std::vector<float> distances;
+    for (const Verdict& verdict : verdicts_) {
+      if (verdict.judged && !verdict.alone() && verdict.near <= verdict.likest) distances.push_back(verdict.near);
+    }
+    if (distances.empty()) return;
+    const auto at = distances.begin() + static_cast<std::ptrdiff_t>(settings_.alike * static_cast<double>(distances.size() - 1));
+    std::ranges::nth_element(distances, at);
+    usual_ = std::max(*at, static_cast<float>(settings_.twin));
+  }
+
+  /// By how much a point fits worse around its place than elsewhere; negative: nothing speaks against it.
+  double excess(const Verdict& verdict) const {
+    const auto elsewhere = static_cast<double>(verdict.elsewhere);
+    if (!verdict.judged || verdict.likest > usual_) return -1.0;
+    if (verdict.alone()) return elsewhere <= settings_.twin ? settings_.margin : -1.0;
+    return static_cast<double>(verdict.near) - elsewhere;
   }
 
   bool out_of_place(const Walk& walk) const {
     std::vector<double> excesses;
     for (const std::size_t w : walk.witnesses) {
-      if (verdicts_[w].judged) excesses.push_back(verdicts_[w].excess);
+      if (verdicts_[w].judged) excesses.push_back(excess(verdicts_[w]));
     }
     if (!walk.named || excesses.size() < kFewestOfWalk) return false;
     const auto middle = excesses.begin() + static_cast<std::ptrdiff_t>(excesses.size() / 2);
@@ -174,7 +195,7 @@ class Gate {
     for (Walk& walk : walks_) walk.misplaced = out_of_place(walk);
     std::vector<std::size_t> accused;
     for (std::size_t w = 0; w < witnesses_.size(); ++w) {
-      const bool alone = verdicts_[w].judged && verdicts_[w].excess >= settings_.margin;
+      const bool alone = excess(verdicts_[w]) >= settings_.margin;
       if (alone || walks_[witnesses_[w].walk].misplaced) accused.push_back(w);
     }
     return accused;
@@ -224,6 +245,7 @@ class Gate {
   std::vector<std::vector<Level>> postings_;   // a radio; `radio` of a posting is the witness
   std::vector<float> common_;
   std::vector<Verdict> verdicts_;
+  float usual_ = 2.0f;                         // distance of a point to the likest around its place
   std::vector<Walk> walks_;
   std::vector<Best> far_;                      // scratch, a walk
   std::vector<SurveyDoubt> found_;

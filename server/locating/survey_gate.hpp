@@ -34,7 +34,8 @@ struct SurveyGateSettings {
   double far_m = 18.0;             ///< nearer than this a misplaced point does no harm worth a doubt
   double margin = 0.16;            ///< of Sorensen distance by which elsewhere must fit better
   double walk_margin = 0.10;       ///< the same for the median over a walk: many points need less each
-  double twin = 0.30;              ///< where nobody else was near: a distance as small as this elsewhere is the same place
+  double twin = 0.30;              ///< a distance as small as this is the same place; where nobody else was near only a twin counts
+  double alike = 0.9;              ///< elsewhere must fit as well as this share of the survey fits around its own places
   double fastest_mps = 6.0;        ///< over ground, there and away again
 };
 
@@ -42,6 +43,7 @@ struct SurveyGateSettings {
 ///
 /// Two rules, neither of which knows the building. A point is doubtful where the best of its neighbours in space fits by
 /// `margin` worse than places at least `far_m` off that two other walks agree on; a walk where that is so in the median.
+/// Elsewhere must fit as well as points usually fit around their own places: one that fits nowhere was surveyed by nobody else.
 /// Where nobody else surveyed nearby only a near twin elsewhere casts doubt. Doubtful points bear no witness against others.
 /// Deterministic, points in any order. Cost: a sparse match of every point against all others.
 std::vector<SurveyDoubt> doubtful_points(std::span<const ReferencePoint> survey, const SurveyGateSettings& settings = {});

@@ -85,6 +85,21 @@ TEST(SurveyGate, AWholeWalkOutOfPlaceIsNamedAsOne) {
   EXPECT_GE(whole, 30u) << "of 33: the corridor's middle stays where it is";
 }
 
+// A store beside the corridor's end that one walk surveyed, behind a wall that lets through what comes down the corridor: what it
+// hears is a little like the corridor's far middle and like nothing around, and unlike both.
+TEST(SurveyGate, TheOnlyWalkOfARoomFitsNowhereWellAndStays) {
+  auto survey = corridor();
+  Random random(11);
+  for (int i = 0; i <= 12; ++i) {
+    const BuildingPoint p{0.5 * i, 9.0};
+    RssScan scan = scan_at({25.0 + 0.5 * i, 0.0}, 0, 2.0 * i, random);
+    for (ScanReading& reading : scan.readings) reading.rss_dbm -= 4.0;
+    for (unsigned own = 0; own < 2; ++own) scan.readings.push_back({Bssid{0x3000u + own}, -48.0 + 3.0 * random.normal(), Duration{0}, 2437, {}, {}});
+    survey.push_back({{p, FloorOrdinal{0}}, 0.0, "phone", "store", {}, {scan}});
+  }
+  EXPECT_EQ(doubtful_points(survey), std::vector<SurveyDoubt>{});
+}
+
 TEST(SurveyGate, ALeapInTheMiddleOfAWalkNeedsNoWitness) {
   std::vector<ReferencePoint> survey;
   Random random(3);
