@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -24,6 +25,7 @@ struct WalksOptions {
   std::vector<std::string> pipelines = {"dead-reckoning", "nn", "wknn", "knn-manhattan", "p1", "default"};
   std::string only;
   std::string split = "test";
+  int folds = 0;
   bool chain = false;
   bool direct = false;
   bool socket = false;
@@ -94,70 +96,142 @@ Result<void> poison(const WalksOptions& options, const RecordedSite& site, const
   return {};
 }
 
+/// A site surveyed with some of its walks, and the ways the others take through it.
+struct Surveyed {
+  std::unique_ptr<SessionReplay> session;
+  std::unique_ptr<DirectReplay> direct;
+  std::unique_ptr<SocketReplay> socket;
+
+  const WalkReplay& usual(const WalksOptions& options) const {
+    if (options.socket) return *socket;
+    return options.direct ? static_cast<const WalkReplay&>(*direct) : *session;
+  }
+};
+
+Result<Surveyed> survey_with(const WalksOptions& options, const RecordedSite& site, const std::vector<RecordedWalk>& walks) {
+  std::fprintf(stderr, "uploading the survey: %zu walks\n", walks.size());
+  auto session = SessionReplay::create(site, walks);
+  if (!session) return session.fault();
+  Surveyed surveyed{*std::move(session), nullptr, nullptr};
+  surveyed.direct = std::make_unique<DirectReplay>(surveyed.session->site());
+  for (const std::string& name : options.pipelines) {
+    const bool straight = options.direct || name == "dead-reckoning";
+    const auto prepared = straight ? surveyed.direct->prepare(name) : surveyed.session->prepare(name);
+    if (!prepared) return prepared.fault();
+  }
+  if (options.socket) {
+    std::fprintf(stderr, "uploading the survey again, to %s\n", options.server.c_str());
+    auto made = SocketReplay::create(options.server, site, walks);
+    if (!made) return made.fault();
+    surveyed.socket = *std::move(made);
+  }
+  return surveyed;
+}
+
+Result<Selection> select(const WalksOptions& options, const RecordedSite& site, const SelectionOptions& selecting) {
+  auto selection = select_walks(site, selecting);
+  if (!selection) return selection;
+  for (const std::string& complaint : selection->complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
+  if (options.rss_offset_db != 0.0) shift_levels(selection->scored, options.rss_offset_db);
+  return selection;
+}
+
+std::vector<std::vector<Instant>> instants_of_all(const std::vector<ScoredWalk>& walks, const SurveyCover& cover) {
+  std::vector<std::vector<Instant>> instants;
+  for (const ScoredWalk& scored : walks) instants.push_back(instants_of(scored.walk, cover));
+  return instants;
+}
+
+WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, const ScoredData& data, const std::vector<PipelineRun>& runs) {
+  WalksOutcome outcome = summarise_walks(data, runs, site, options.seed);
+  outcome.data = site.name;
+  outcome.split = options.only.empty() ? options.split : "only";
+  if (options.folds > 0) outcome.split = "folds " + std::to_string(options.folds);
+  outcome.chain = options.chain;
+  outcome.rss_offset_db = options.rss_offset_db;
+  return outcome;
+}
+
+int publish(const WalksOptions& options, const WalksOutcome& outcome) {
+  if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
+  std::printf("%s", walks_table(outcome).c_str());
+  if (options.json.empty()) return 0;
+  std::ofstream out(options.json, std::ios::binary);
+  out << walks_json(outcome);
+  return out.flush() ? 0 : complain({FaultCode::kNotFound, options.json, "cannot be written"});
+}
+
+// Every survey walk is scored once, over a map of the walks outside its fold; what comes out is one table over all of them.
+int measure_folds(const WalksOptions& options, const RecordedSite& site) {
+  std::vector<ScoredWalk> walks;
+  std::vector<std::vector<Instant>> instants;
+  std::vector<PipelineRun> runs;
+  std::size_t survey_walks = 0, survey_points = 0;
+  for (int fold = 0; fold < options.folds; ++fold) {
+    std::fprintf(stderr, "fold %d of %d\n", fold + 1, options.folds);
+    auto selection = select(options, site, {.chain = options.chain, .only = {}, .folds = options.folds, .fold = fold});
+    if (!selection) return complain(selection.fault());
+    auto of_fold = instants_of_all(selection->scored, SurveyCover(selection->survey));
+    const auto surveyed = survey_with(options, site, selection->survey);
+    if (!surveyed) return complain(surveyed.fault());
+    auto replayed = replay_all({options.pipelines, options.seed, options.threads}, surveyed->usual(options), *surveyed->direct,
+                               {selection->scored, of_fold});
+    if (!replayed) return complain(replayed.fault());
+    if (runs.empty()) runs.resize(replayed->size());
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      PipelineRun& run = (*replayed)[r];
+      runs[r].pipeline = run.pipeline;
+      runs[r].path = run.path;
+      std::ranges::move(run.walks, std::back_inserter(runs[r].walks));
+      std::ranges::move(run.first_fix_s, std::back_inserter(runs[r].first_fix_s));
+    }
+    std::ranges::move(selection->scored, std::back_inserter(walks));
+    std::ranges::move(of_fold, std::back_inserter(instants));
+    survey_walks += selection->survey.size();
+    survey_points += surveyed->session->site()->survey.size();
+  }
+  const ScoredData data{walks, instants};
+  WalksOutcome outcome = outcome_of(options, site, data, runs);
+  outcome.survey_walks = survey_walks / static_cast<std::size_t>(options.folds);
+  outcome.survey_points = survey_points / static_cast<std::size_t>(options.folds);
+  for (const PipelineRun& run : runs) outcome.alarms.push_back(count_alarms(data, run));
+  return publish(options, outcome);
+}
+
 int measure_walks(const WalksOptions& options) {
   const auto site = read_site(options.data, options.floors);
   if (!site) return complain(site.fault());
-  SelectionOptions selecting{options.split == "dev", options.chain, {}};
+  for (const std::string& complaint : site->complaints) std::fprintf(stderr, "note: %s\n", complaint.c_str());
+  if (options.folds > 0) return measure_folds(options, *site);
+  SelectionOptions selecting{.development = options.split == "dev", .chain = options.chain, .only = {}};
   if (!options.only.empty()) {
     auto ids = read_ids(options.only);
     if (!ids) return complain(ids.fault());
     selecting.only = *std::move(ids);
   }
-  auto selection = select_walks(*site, selecting);
+  const auto selection = select(options, *site, selecting);
   if (!selection) return complain(selection.fault());
-  for (const std::string& complaint : site->complaints) std::fprintf(stderr, "note: %s\n", complaint.c_str());
-  for (const std::string& complaint : selection->complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
-  if (options.rss_offset_db != 0.0) shift_levels(selection->scored, options.rss_offset_db);
-
   const SurveyCover cover(selection->survey);
-  std::vector<std::vector<Instant>> instants;
-  for (const ScoredWalk& scored : selection->scored) instants.push_back(instants_of(scored.walk, cover));
+  const auto instants = instants_of_all(selection->scored, cover);
   const ScoredData data{selection->scored, instants};
-
-  std::fprintf(stderr, "uploading the survey: %zu walks\n", selection->survey.size());
-  auto session = SessionReplay::create(*site, selection->survey);
-  if (!session) return complain(session.fault());
-  DirectReplay direct((*session)->site());
-  for (const std::string& name : options.pipelines) {
-    const bool straight = options.direct || name == "dead-reckoning";
-    const auto prepared = straight ? direct.prepare(name) : (*session)->prepare(name);
-    if (!prepared) return complain(prepared.fault());
-  }
-  std::unique_ptr<SocketReplay> socket;
-  if (options.socket) {
-    std::fprintf(stderr, "uploading the survey again, to %s\n", options.server.c_str());
-    auto made = SocketReplay::create(options.server, *site, selection->survey);
-    if (!made) return complain(made.fault());
-    socket = *std::move(made);
-  }
-  const WalkReplay* usual = session->get();
-  if (options.direct) usual = &direct;
-  if (options.socket) usual = socket.get();
+  const auto surveyed = survey_with(options, *site, selection->survey);
+  if (!surveyed) return complain(surveyed.fault());
   const auto replay = [&](const ScoredData& walks, const WalkReplay& way) {
-    return replay_all({options.pipelines, options.seed, options.threads}, way, direct, walks);
+    return replay_all({options.pipelines, options.seed, options.threads}, way, *surveyed->direct, walks);
   };
-  const auto runs = replay(data, *usual);
+  const auto runs = replay(data, surveyed->usual(options));
   if (!runs) return complain(runs.fault());
 
-  WalksOutcome outcome = summarise_walks(data, *runs, *site, options.seed);
-  outcome.data = site->name;
-  outcome.split = options.only.empty() ? options.split : "only";
-  outcome.chain = options.chain;
-  outcome.rss_offset_db = options.rss_offset_db;
+  WalksOutcome outcome = outcome_of(options, *site, data, *runs);
   outcome.survey_walks = selection->survey.size();
-  outcome.survey_points = (*session)->site()->survey.size();
-  if (const auto done = attack(options, selection->survey, *usual, data, *runs, replay, outcome); !done) return complain(done.fault());
+  outcome.survey_points = surveyed->session->site()->survey.size();
+  const auto attacked = attack(options, selection->survey, surveyed->usual(options), data, *runs, replay, outcome);
+  if (!attacked) return complain(attacked.fault());
   if (options.plan.poisons()) {
     const auto done = poison(options, *site, selection->survey, data, replay, outcome);
     if (!done) return complain(done.fault());
   }
-  if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
-  std::printf("%s", walks_table(outcome).c_str());
-  if (!options.json.empty()) {
-    std::ofstream out(options.json, std::ios::binary);
-    out << walks_json(outcome);
-    if (!out.flush()) return complain({FaultCode::kNotFound, options.json, "cannot be written"});
-  }
+  if (const int failed = publish(options, outcome); failed != 0) return failed;
   if (!options.report.empty()) write_walks_report(options.report, outcome, data, *runs, *site, cover);
   return 0;
 }
@@ -175,10 +249,18 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
                    "PRESET:role.setting=value+role.setting=value")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
-  command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
-      ->check(CLI::IsMember({"test", "dev"}))
-      ->capture_default_str();
+  CLI::Option* only =
+      command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
+  CLI::Option* split = command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
+                           ->check(CLI::IsMember({"test", "dev"}))
+                           ->capture_default_str();
+  CLI::Option* folds = command
+                           ->add_option("--folds", options->folds,
+                                        "Cross-validation inside the survey: each of its walks is scored over a map of the other folds' "
+                                        "walks; test walks are not touched")
+                           ->check(CLI::Range(2, 100))
+                           ->excludes(only)
+                           ->excludes(split);
   command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
   command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")
       ->capture_default_str();
@@ -191,8 +273,9 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->excludes("--direct");
   command->add_option("--server", options->server, "The wayfused program for --socket")->capture_default_str();
   add_attack_options(*command, options->plan);
+  for (const char* attack : {"--fakes", "--replay-attack", "--kidnap", "--poison", "--poison-walks"}) folds->excludes(command->get_option(attack));
   command->add_option("--json", options->json, "Write the figures to this file");
-  command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");
+  folds->excludes(command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder"));
   command->callback([options, &chosen] { chosen = [options] { return measure_walks(*options); }; });
 }
 

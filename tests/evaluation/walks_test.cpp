@@ -8,6 +8,7 @@
 
 #include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/svg_chart.hpp"
+#include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 #include "tests/evaluation/walks/survey_cover.hpp"
 #include "tests/evaluation/walks/walk_score.hpp"
@@ -135,6 +136,44 @@ TEST_F(SiteOnDisk, WhatIsScoredNeverSurveys) {
   EXPECT_NE(unknown.fault().cause.find("nobody"), std::string::npos);
 }
 
+TEST_F(SiteOnDisk, FoldsScoreEverySurveyWalkOnceAndNeverATestWalk) {
+  std::vector<std::string> usable = {id_of(Split::kSurvey, 0), id_of(Split::kSurvey, 1), id_of(Split::kSurvey, 2), id_of(Split::kDevelopment, 0),
+                                     id_of(Split::kDevelopment, 1)};
+  const std::string test = id_of(Split::kTest, 0);
+  int begin_ms = 0;
+  for (const auto& id : usable) walk(id, begin_ms += 100000, 0, 10);
+  walk(test, 0, 0, 10);
+  std::vector<std::string> scored;
+  for (int fold = 0; fold < 2; ++fold) {
+    const Selection selection = select_walks(site(), {.only = {}, .folds = 2, .fold = fold}).value();
+    EXPECT_EQ(selection.scored.size() + selection.survey.size(), usable.size());
+    for (const ScoredWalk& each : selection.scored) {
+      scored.push_back(each.walk.id);
+      EXPECT_EQ(fold_of(each.walk.id, 2), fold);
+      EXPECT_TRUE(std::ranges::none_of(selection.survey, [&](const RecordedWalk& other) { return other.id == each.walk.id; }));
+    }
+    EXPECT_TRUE(std::ranges::none_of(selection.survey, [&](const RecordedWalk& other) { return other.id == test; }));
+  }
+  std::ranges::sort(scored);
+  std::ranges::sort(usable);
+  EXPECT_EQ(scored, usable);
+}
+
+TEST_F(SiteOnDisk, AChainBelongsToTheFoldOfItsFirstWalkAndIsScoredOnce) {
+  const std::string first = id_of(Split::kSurvey, 0), second = id_of(Split::kSurvey, 1);
+  walk(first, 0, 0, 10);
+  walk(second, 15000, 10.5, 20);
+  int scored = 0;
+  for (int fold = 0; fold < 5; ++fold) {
+    const auto selection = select_walks(site(), {.chain = true, .only = {}, .folds = 5, .fold = fold});
+    if (!selection) continue;  // nothing to score in this fold
+    scored += static_cast<int>(selection->scored.size());
+    EXPECT_EQ(fold, fold_of(first, 5));
+    EXPECT_TRUE(selection->survey.empty());
+  }
+  EXPECT_EQ(scored, 1);
+}
+
 TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   const std::string first = id_of(Split::kTest, 0), second = id_of(Split::kSurvey, 0), apart = id_of(Split::kTest, 1);
   walk(first, 0, 0, 10);
@@ -145,6 +184,29 @@ TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   EXPECT_EQ(selection.scored[0].parts, (std::vector{first, second}));
   EXPECT_DOUBLE_EQ(selection.scored[0].walk.duration_s(), 25.0);
   EXPECT_TRUE(selection.survey.empty());
+}
+
+TEST(PipelineNamed, APresetWithSettingsChanged) {
+  const auto changed = pipeline_named("default:filter.particles=300+locator.learn=0");
+  ASSERT_TRUE(changed) << to_string(changed.fault());
+  EXPECT_EQ(changed->parts.at("filter").settings.at("particles"), 300.0);
+  EXPECT_EQ(changed->parts.at("locator").settings.at("learn"), 0.0);
+  EXPECT_EQ(changed->parts.at("filter").name, preset("default")->parts.at("filter").name);
+  EXPECT_TRUE(preset("default")->parts.at("filter").settings.empty()) << "the preset itself stays";
+  EXPECT_TRUE(pipeline_named("p1"));
+}
+
+TEST(PipelineNamed, WhatCannotBeMeantIsAFaultThatNamesIt) {
+  const auto cause = [](const std::string& name) {
+    const auto spec = pipeline_named(name);
+    return spec ? "no fault" : to_string(spec.fault());
+  };
+  EXPECT_NE(cause("default:filter.particles=many").find("filter.particles=many"), std::string::npos);
+  EXPECT_NE(cause("default:filter.particles").find("role.setting=number"), std::string::npos);
+  EXPECT_NE(cause("default:particles=3").find("particles=3"), std::string::npos);
+  EXPECT_NE(cause("default:resampler.threshold=1").find("resampler"), std::string::npos) << "a role the preset leaves empty";
+  EXPECT_NE(cause("defualt:filter.particles=3").find("defualt"), std::string::npos);
+  EXPECT_NE(cause("/nowhere/mine.json").find("/nowhere/mine.json"), std::string::npos);
 }
 
 TEST(Pictures, CarryTitleAxesAndLegend) {

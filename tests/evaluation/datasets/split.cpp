@@ -11,10 +11,11 @@ std::uint64_t fnv1a(std::string_view text) {
   return hash;
 }
 
+int fold_of(std::string_view walk_id, int folds) { return static_cast<int>((fnv1a(walk_id) >> 2) % static_cast<unsigned>(folds)); }
+
 Split split_of(std::string_view walk_id) {
-  const std::uint64_t hash = fnv1a(walk_id);
-  if (hash % 4 == 0) return Split::kTest;
-  return (hash >> 2) % 6 == 0 ? Split::kDevelopment : Split::kSurvey;
+  if (fnv1a(walk_id) % 4 == 0) return Split::kTest;
+  return fold_of(walk_id, 6) == 0 ? Split::kDevelopment : Split::kSurvey;
 }
 
 }  // namespace wayfuse

@@ -10,5 +10,7 @@ namespace wayfuse {
 enum class Split : std::uint8_t { kSurvey, kDevelopment, kTest };
 std::uint64_t fnv1a(std::string_view text);
 Split split_of(std::string_view walk_id);
+/// Which of `folds` folds a walk that is not tested on falls into; the development split is fold 0 of 6.
+int fold_of(std::string_view walk_id, int folds);
 
 }  // namespace wayfuse

@@ -67,15 +67,15 @@ Result<PipelineSpec> changed(const std::string& pipeline) {
   return spec;
 }
 
-Result<PipelineSpec> spec_of(const std::string& pipeline) {
-  if (pipeline.ends_with(".json")) return from_file(pipeline);
-  return pipeline.find(':') == std::string::npos ? preset(pipeline) : changed(pipeline);
-}
-
 }  // namespace
 
+Result<PipelineSpec> pipeline_named(const std::string& name) {
+  if (name.ends_with(".json")) return from_file(name);
+  return name.find(':') == std::string::npos ? preset(name) : changed(name);
+}
+
 Result<void> DirectReplay::prepare(const std::string& pipeline) {
-  const auto spec = spec_of(pipeline);
+  const auto spec = pipeline_named(pipeline);
   if (!spec) return spec.fault();
   const auto factory = assemble(*spec, site_);
   if (!factory) return factory.fault();

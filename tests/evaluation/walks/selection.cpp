@@ -58,13 +58,15 @@ ScoredWalk join(const std::vector<RecordedWalk>& walks, const std::vector<std::s
 // Indices of the groups of walks to score; a group is a chain or a single walk.
 Chains scored_groups(const std::vector<RecordedWalk>& walks, const SelectionOptions& options) {
   const std::set<std::string> only(options.only.begin(), options.only.end());
+  const bool inside_survey = options.development || options.folds > 0;
   const auto wanted = [&](std::size_t i) {
     if (!only.empty()) return only.count(walks[i].id) > 0;
+    if (options.folds > 0) return split_of(walks[i].id) != Split::kTest;
     return split_of(walks[i].id) == (options.development ? Split::kDevelopment : Split::kTest);
   };
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < walks.size(); ++i) {
-    if (!options.development || split_of(walks[i].id) != Split::kTest || only.count(walks[i].id) > 0) usable.push_back(i);
+    if (!inside_survey || split_of(walks[i].id) != Split::kTest || only.count(walks[i].id) > 0) usable.push_back(i);
   }
   Chains groups;
   if (options.chain)
@@ -72,6 +74,9 @@ Chains scored_groups(const std::vector<RecordedWalk>& walks, const SelectionOpti
   else
     for (const std::size_t i : usable) groups.push_back({i});
   std::erase_if(groups, [&](const auto& group) { return std::none_of(group.begin(), group.end(), wanted); });
+  if (options.folds > 0) {
+    std::erase_if(groups, [&](const auto& group) { return fold_of(walks[group.front()].id, options.folds) != options.fold; });
+  }
   return groups;
 }
 

@@ -12,6 +12,8 @@ struct SelectionOptions {
   bool development = false;       ///< score the development split, survey with the rest of the survey split
   bool chain = false;             ///< score walks that continue each other as one long walk
   std::vector<std::string> only;  ///< ids to score; empty = the whole split
+  int folds = 0;                  ///< above 0: cross-validation over the survey; a chain belongs to the fold of its first walk
+  int fold = 0;                   ///< the one to score: the others survey, and test walks do neither
 };
 
 struct ScoredWalk {
