@@ -163,7 +163,8 @@ void FieldTracker::feed(const MotionReport& motion) {
   newest_ = std::max(newest_.value_or(motion.time), motion.time);
   speed_mps_ = distance_m / dt_s;
   at_rest_ = motion.at_rest;
-  if (!at_rest_ && distance_m > 0.0) scans_at_rest_ = 0;
+  const bool lifted = std::abs(motion.climb_m.value_or(0.0)) > kClimbing_mps * dt_s;   // a lift carries who stands still
+  if ((!at_rest_ && distance_m > 0.0) || lifted) scans_at_rest_ = 0;
   from_.steps_since_scan += motion.steps;
   climbed_m_ = climbed_m_ * std::exp(-dt_s / kClimbMemoryS) + motion.climb_m.value_or(0.0);
   if (cloud_.started()) walk(motion, dt_s, dx_m, dy_m);

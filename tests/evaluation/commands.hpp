@@ -18,6 +18,7 @@ void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen);
 void add_site_command(CLI::App& app, std::function<int()>& chosen);
 void add_walks_command(CLI::App& app, std::function<int()>& chosen);
 void add_attitude_command(CLI::App& app, std::function<int()>& chosen);
+void add_climbing_command(CLI::App& app, std::function<int()>& chosen);
 void add_walking_command(CLI::App& app, std::function<int()>& chosen);
 void add_expected_command(CLI::App& app, std::function<int()>& chosen);
 void add_access_points_command(CLI::App& app, std::function<int()>& chosen);

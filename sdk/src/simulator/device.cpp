@@ -49,6 +49,8 @@ Device draw_device(std::string_view name, Random& random) {
   };
   device.gyro_bias_radps = vector(0.004);
   device.hard_iron_ut = vector(1.5);
+  Random faults = Random(random).split();   // a stream of its own: what is drawn after the device stays what it was
+  device.acceleration_bias_mps2 = {0.12 * faults.normal(), 0.12 * faults.normal(), 0.12 * faults.normal()};
   return device;
 }
 

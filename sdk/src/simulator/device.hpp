@@ -17,6 +17,7 @@ struct Device {
   double rss_noise_db = 1.2;           ///< 1 sigma a reading, before rounding to whole dBm
   double sensitivity_dbm = -90.0;      ///< half of the frames at this level are heard
   double acceleration_noise_mps2 = 0.03;
+  Vector3 acceleration_bias_mps2;
   double gyro_noise_radps = 0.003;
   Vector3 gyro_bias_radps;
   double field_noise_ut = 0.4;

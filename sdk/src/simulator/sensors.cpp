@@ -39,17 +39,22 @@ const std::vector<std::string>& carrying_names() {
 
 MotionSensors::Pose MotionSensors::pose_of(Carrying carrying) {
   switch (carrying) {
-    case Carrying::kTexting: return {0.0, 0.60, 0.03, 0.04, 0.02};
-    case Carrying::kPhoning: return {0.3, 1.20, 1.10, 0.05, 0.03};
-    case Carrying::kPocket: return {0.4, 1.45, 0.15, 0.10, 0.35};
-    case Carrying::kSwinging: return {0.1, 0.20, 1.35, 0.12, 0.50};
+    case Carrying::kTexting: return {0.0, 0.60, 0.03, 0.04, 0.02, 1.25};
+    case Carrying::kPhoning: return {0.3, 1.20, 1.10, 0.05, 0.03, 1.60};
+    case Carrying::kPocket: return {0.4, 1.45, 0.15, 0.10, 0.35, 0.85};
+    case Carrying::kSwinging: return {0.1, 0.20, 1.35, 0.12, 0.50, 0.75};
   }
   return {};
 }
 
 MotionSensors::MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random)
+    : MotionSensors(world, walker, std::move(device), carrying, random, Random(random).split()) {}
+
+// The hand has a generator of its own: gait and noise are the same whatever it does.
+MotionSensors::MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random,
+                             Random of_the_hand)
     : world_(world), walker_(walker), device_(std::move(device)), changes_{{Duration{0}, carrying.mode}}, wander_rad_(carrying.wander_rad),
-      random_(random) {
+      random_(random), hand_(of_the_hand) {
   bounce_ = 1.0 + 0.12 * random_.normal();
   for (auto* waves : {&yaw_waves_, &pitch_waves_}) {
     for (int i = 0; i < kWanderWaves; ++i) {
@@ -57,11 +62,14 @@ MotionSensors::MotionSensors(const World& world, const Walker& walker, Device de
       waves->push_back({2 * kPi / period_s, 2 * kPi * random_.uniform()});
     }
   }
+  hand_.fidget(carrying.fidgets_per_min, walker_.length(), of_the_hand);
   if (carrying.stay <= Duration{0}) return;
   while (changes_.back().at < walker_.length()) {
     const Duration stay = from_seconds(seconds(carrying.stay) * (0.5 + random_.uniform()));
     const auto other = 1 + static_cast<int>(random_.below(kCarryingModes - 1));
-    changes_.push_back({changes_.back().at + stay, static_cast<Carrying>((static_cast<int>(changes_.back().to) + other) % kCarryingModes)});
+    const Carrying from = changes_.back().to, to = static_cast<Carrying>((static_cast<int>(from) + other) % kCarryingModes);
+    changes_.push_back({changes_.back().at + stay, to});
+    hand_.move(changes_.back().at, pose_of(to).height_m - pose_of(from).height_m, kHandling_s);
   }
 }
 
@@ -85,7 +93,7 @@ MotionSensors::Pose MotionSensors::pose_at(Duration since_start) const {
   const Pose from = pose_of((after - 2)->to), to = pose_of((after - 1)->to);
   const auto mix = [share](double a, double b) { return a + share * (b - a); };
   return {mix(from.yaw_rad, to.yaw_rad), mix(from.pitch_rad, to.pitch_rad), mix(from.roll_rad, to.roll_rad),
-          mix(from.sway_rad, to.sway_rad), mix(from.swing_rad, to.swing_rad)};
+          mix(from.sway_rad, to.sway_rad), mix(from.swing_rad, to.swing_rad), mix(from.height_m, to.height_m)};
 }
 
 Quaternion MotionSensors::attitude(Duration since_start) const {
@@ -100,7 +108,7 @@ Quaternion MotionSensors::attitude(Duration since_start) const {
 }
 
 // Two bounces a stride upwards, a push and a brake a step forwards, a sway a stride sideways.
-Vector3 MotionSensors::specific_force_enu(const Truth& truth) const {
+Vector3 MotionSensors::specific_force_enu(const Truth& truth, double hand_mps2) const {
   const double step = 2 * kPi * truth.gait_phase;
   const double vigour = bounce_ * std::pow(std::min(truth.speed_mps, 2.0) / 1.25, 1.5);
   const double up = vigour * (2.4 * std::cos(step) + 0.8 * std::cos(2 * step + 0.6) + 0.25 * std::cos(3 * step));
@@ -108,7 +116,7 @@ Vector3 MotionSensors::specific_force_enu(const Truth& truth) const {
   const double forward = -vigour * 1.1 * std::sin(step + 0.4);
   const double side = vigour * 0.6 * std::sin(step / 2);
   const Heading heading = world_.georeference.to_true(truth.heading);
-  return {forward * heading.cos() - side * heading.sin(), forward * heading.sin() + side * heading.cos(), kGravity_mps2 + up + truth.lift_mps2};
+  return {forward * heading.cos() - side * heading.sin(), forward * heading.sin() + side * heading.cos(), kGravity_mps2 + up + hand_mps2 + truth.lift_mps2};
 }
 
 Vector3 MotionSensors::field_enu(const Place& place) const {
@@ -150,7 +158,10 @@ MargSample MotionSensors::sample(Duration since_start, PhoneTime time) {
   field = {field.x + device_.hard_iron_ut.x, field.y + device_.hard_iron_ut.y, field.z + device_.hard_iron_ut.z};
   MargSample sample;
   sample.time = time;
-  sample.acceleration_mps2 = noisy(rotate(to_body, specific_force_enu(truth)), device_.acceleration_noise_mps2);
+  Vector3 force = rotate(to_body, specific_force_enu(truth, hand_.acceleration_mps2(since_start)));
+  force = {force.x + device_.acceleration_bias_mps2.x, force.y + device_.acceleration_bias_mps2.y,
+           force.z + device_.acceleration_bias_mps2.z};
+  sample.acceleration_mps2 = noisy(force, device_.acceleration_noise_mps2);
   sample.turn_rate_radps = noisy(rate, device_.gyro_noise_radps);
   sample.field_ut = noisy(field, device_.field_noise_ut);
   // The barometric formula near the ground: 8.3 m a hPa.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sdk/src/simulator/device.hpp"
+#include "sdk/src/simulator/hand_moves.hpp"
 #include "sdk/src/simulator/walker.hpp"
 #include "sdk/src/simulator/world.hpp"
 #include "wayfuse/proto/random.hpp"
@@ -22,6 +23,7 @@ struct CarryingSettings {
   Carrying mode = Carrying::kTexting;   ///< at the start
   Duration stay{0};                     ///< mean time in one mode before another; 0 = never another
   double wander_rad = 0.13;             ///< 1 sigma: nobody holds a phone straight ahead all the time
+  double fidgets_per_min = 0.0;         ///< crouches, raises the phone, shifts, knocks it: so many times a minute
 };
 
 /// Turns the truth of a walk into what a phone's motion sensors say.
@@ -43,6 +45,7 @@ class MotionSensors {
     double yaw_rad, pitch_rad, roll_rad;   // of the phone against the walker
     double sway_rad;                       // yaw swing with every second step
     double swing_rad;                      // pitch swing of an arm or leg
+    double height_m;                       // above the floor
   };
   struct Change {
     Duration at;
@@ -51,10 +54,11 @@ class MotionSensors {
   struct Wave {
     double radps, phase_rad;
   };
+  MotionSensors(const World& world, const Walker& walker, Device device, CarryingSettings carrying, Random random, Random of_the_hand);
   static Pose pose_of(Carrying carrying);
   double wander(const std::vector<Wave>& waves, Duration since_start) const;
   Pose pose_at(Duration since_start) const;
-  Vector3 specific_force_enu(const Truth& truth) const;
+  Vector3 specific_force_enu(const Truth& truth, double hand_mps2) const;
   Vector3 field_enu(const Place& place) const;
   Vector3 noisy(const Vector3& value, double sigma);
 
@@ -66,6 +70,7 @@ class MotionSensors {
   std::vector<Wave> yaw_waves_, pitch_waves_;
   Random random_;
   double bounce_;   // this walker's
+  HandMoves hand_;
 };
 
 }  // namespace wayfuse::simulator

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/src/simulator/lift_profile.hpp"
+
 namespace wayfuse::simulator {
 namespace {
 
@@ -14,7 +16,6 @@ constexpr double kStairsSpeed_mps = 0.5;
 constexpr double kStairsWalk_m = 8.0;
 constexpr double kSwing_s = 0.5;
 constexpr double kEscalator_mps = 0.5;     // along its slope
-constexpr double kLift_mps2 = 0.8, kLift_mps = 1.6;
 constexpr double kLiftWaitLeast_s = 3.0, kLiftWaitMost_s = 20.0, kLiftDoors_s = 2.0;
 
 double slew(double from, double to, double most) { return from + std::clamp(to - from, -most, most); }
@@ -114,7 +115,7 @@ void Walker::walk(const World& world, const std::vector<std::size_t>& nodes, con
     const auto ride = std::find_if(legs.begin() + static_cast<std::ptrdiff_t>(i), legs.end(), rides);
     const auto end = static_cast<std::size_t>(ride - legs.begin());
     on_foot(std::span(legs).subspan(i, end - i), gait, random);
-    if (ride != legs.end()) ride->passage == Passage::kLift ? ride_lift(*ride, random) : ride_escalator(*ride);
+    if (ride != legs.end()) ride->passage == Passage::kLift ? ride_lift(world, *ride, random) : ride_escalator(*ride);
     i = end + 1;
   }
 }
@@ -170,22 +171,18 @@ void Walker::ride_escalator(const Leg& leg) {
   }
 }
 
-// Waits, turns round to face the door, rides: even acceleration, cruise, even deceleration.
-void Walker::ride_lift(const Leg& leg, Random& random) {
+// Waits, turns round to face the door, rides as this lift does.
+void Walker::ride_lift(const World& world, const Leg& leg, Random& random) {
   stand(timeline_.back(), from_seconds(kLiftWaitLeast_s + (kLiftWaitMost_s - kLiftWaitLeast_s) * random.uniform()));
   const double dt_s = seconds(kTick);
   const double rise_m = leg.height1_m - leg.height0_m, far_m = std::abs(rise_m), sign = rise_m < 0 ? -1.0 : 1.0;
-  const double top_mps = std::min(kLift_mps, std::sqrt(far_m * kLift_mps2));
-  const double speeding_s = top_mps / kLift_mps2, total_s = far_m / top_mps + speeding_s;
+  const LiftProfile lift = LiftProfile::of(lift_at(world, leg.from), far_m);
   const Heading door = timeline_.back().heading.turned_by(3.1);
   Truth now = timeline_.back();
   now.speed_mps = 0.0;
-  for (double t_s = 0; t_s < total_s; t_s += dt_s) {
-    const double left_s = total_s - t_s;
-    now.lift_mps2 = t_s < speeding_s ? sign * kLift_mps2 : left_s < speeding_s ? -sign * kLift_mps2 : 0.0;
-    const double done_m = t_s < speeding_s     ? 0.5 * kLift_mps2 * t_s * t_s
-                          : left_s < speeding_s ? far_m - 0.5 * kLift_mps2 * left_s * left_s
-                                                : top_mps * (t_s - 0.5 * speeding_s);
+  for (double t_s = 0; t_s < lift.lasts_s(); t_s += dt_s) {
+    const double done_m = lift.travelled_m(t_s);
+    now.lift_mps2 = sign * lift.acceleration_mps2(t_s);
     now.height_m = leg.height0_m + sign * done_m;
     now.place = {leg.from, done_m < far_m / 2 ? leg.floor0 : leg.floor1};
     now.heading = now.heading.turned_by(std::clamp(door.minus(now.heading), -kTurn_radps * dt_s, kTurn_radps * dt_s));

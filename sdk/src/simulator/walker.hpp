@@ -46,7 +46,7 @@ class Walker {
   void walk(const World& world, const std::vector<std::size_t>& nodes, const GaitSettings& gait, Random& random);
   void on_foot(std::span<const Leg> legs, const GaitSettings& gait, Random& random);
   void ride_escalator(const Leg& leg);
-  void ride_lift(const Leg& leg, Random& random);
+  void ride_lift(const World& world, const Leg& leg, Random& random);
   void swing_arms();
 
   std::vector<Truth> timeline_;   // every kTick

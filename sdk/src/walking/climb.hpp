@@ -12,6 +12,8 @@ struct Climb {
   void feed(const MargSample& sample, bool walking);
   /// Metres since the last call; absent without a barometer.
   std::optional<double> take();
+  /// Metres above where it was first heard, smoothed over a second; absent without a barometer.
+  std::optional<double> above_m() const { return started_ ? std::optional(smooth_m_) : std::nullopt; }
   Climbing climbing() const;
 
  private:

@@ -8,6 +8,7 @@
 #include "sdk/src/attitude/catalogue.hpp"
 #include "sdk/src/attitude/sample_gate.hpp"
 #include "sdk/src/walking/climb.hpp"
+#include "sdk/src/walking/lift_detector.hpp"
 #include "sdk/src/walking/step_length.hpp"
 #include "sdk/src/walking/walk_detector.hpp"
 #include "sdk/src/walking/walking_direction.hpp"
@@ -20,6 +21,7 @@ constexpr double kRestDeviation = 0.35;       // m/s2, smoothed mean of | |a| - 
 constexpr double kTurningRadps = 0.35;        // mean over the interval, 20 degrees a second
 constexpr double kStandingSigmaM = 0.1;       // of an interval without steps
 constexpr double kGapS = 1.0;
+constexpr double kPaceS = 1.1;                // between two steps of a walker
 constexpr double kCatchUpS = 0.1;             // steps recognised late come out one by one, so far apart
 
 // From the level frame to the attitude's own axes.
@@ -40,8 +42,11 @@ struct MotionTracker::State {
   WalkingDirectionSettings direction_settings;
   WalkingDirection direction;
   Climb climb;
+  LiftDetectorSettings lift_settings;
+  LiftDetector lift;
   double mean_mps2 = 9.81, deviation_mps2 = 1.0;
   std::optional<PhoneTime> reported, last_step;
+  std::optional<PhoneTime> paced;   // the newest step that followed another at once: a lift that sets off may pass for one
   double turned_rad = 0.0;       // since the last report
   double turned_walk_rad = 0.0;  // since the last acceleration
   std::optional<Vector3> field;
@@ -88,9 +93,13 @@ StepBatch MotionTracker::State::watch_steps(PhoneTime time, const SampleGate::Pa
   mean_mps2 += gain * (total - mean_mps2);
   deviation_mps2 += gain * (std::abs(total - mean_mps2) - deviation_mps2);
   const StepBatch batch = steps.feed(time, acceleration.value);
+  for (int i = 0; i < batch.count; ++i) {
+    if (batch.steps[i].interval_s > 0.0 && batch.steps[i].interval_s < kPaceS) paced = batch.steps[i].time;
+  }
   if (attitude) {
-    direction.feed(direction_settings, rotate(attitude->body_to_level, acceleration.value), turned_walk_rad, acceleration.dt_s,
-                   steps.walking());
+    const Vector3 level = rotate(attitude->body_to_level, acceleration.value);
+    direction.feed(direction_settings, level, turned_walk_rad, acceleration.dt_s, steps.walking());
+    lift.feed(lift_settings, {time, acceleration.dt_s, level.z, unrotate(attitude->body_to_level, {0, 0, 1}), paced, climb.above_m()});
   }
   turned_walk_rad = 0.0;
   return batch;
@@ -144,10 +153,12 @@ MotionReport MotionTracker::State::report(PhoneTime time, const Attitude& attitu
   report.turn_rate_radps = interval_s > 0.0 ? std::clamp(turned_rad / interval_s, -35.0, 35.0) : 0.0;
   report.turning = std::abs(report.turn_rate_radps) > kTurningRadps;
   report.distance_sigma_m = kStandingSigmaM;
-  report.at_rest = !with_step && waiting_count == 0 && resting(time);
+  report.at_rest = !with_step && waiting_count == 0 && resting(time) && !lift.riding();   // what it hears changes with the floors
   if (with_step) add_step(attitude, report);
   if (report.at_rest) report.distance_sigma_m = 0.02;
+  const std::optional<double> lifted_m = lift.take();
   report.climb_m = climb.take();
+  if (!report.climb_m) report.climb_m = lifted_m;
   if (field) {
     const Vector3 enu = rotate(attitude.body_to_enu, *field);
     report.field_horizontal_ut = std::hypot(enu.x, enu.y);
@@ -219,7 +230,8 @@ WalkState MotionTracker::walk() const {
     walk.speed_sigma_mps = walk.speed_mps * std::hypot(s.length.scale_sigma, s.length_settings.relative_sigma_step);
   }
   walk.carrying = s.direction.carrying;
-  walk.climbing = s.climb.climbing();
+  walk.climbing = s.lift.riding() ? Climbing::kLift : s.climb.climbing();
+  walk.lift = s.lift.ride();
   return walk;
 }
 

@@ -41,6 +41,16 @@ enum class Carrying : std::uint8_t {
 /// How its owner gets up or down.
 enum class Climbing : std::uint8_t { kNone, kStairs, kLift };
 
+/// A ride in a lift, as felt by the vertical acceleration (and the barometer where there is one).
+struct LiftRide {
+  PhoneTime start;
+  PhoneTime end;                        ///< so far, while under way
+  double rise_m = 0.0;                  ///< upwards positive; so far, while under way
+  double rise_sigma_m = 0.0;
+  bool under_way = false;               ///< believed once it went further than an arm reaches; may still be taken back
+  bool operator==(const LiftRide&) const = default;
+};
+
 /// What is known of the walk right now.
 struct WalkState {
   bool walking = false;
@@ -52,7 +62,8 @@ struct WalkState {
   double speed_mps = 0.0;
   double speed_sigma_mps = 0.0;
   Carrying carrying = Carrying::kUnknown;
-  Climbing climbing = Climbing::kNone;  ///< needs a barometer
+  Climbing climbing = Climbing::kNone;  ///< stairs need a barometer, a lift does not
+  std::optional<LiftRide> lift;         ///< the newest; absent before the first
 };
 
 /// The phone's own motion: attitude and steps in, MotionReports out.
