@@ -202,7 +202,7 @@ void FieldTracker::feed(const RssScan& scan) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
   } else if (informative() || climbed || lost) {
     if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
-    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried, news()));
+    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried, echo()));
     cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
@@ -211,10 +211,10 @@ void FieldTracker::feed(const RssScan& scan) {
   locator_->rest();
 }
 
-/// The share of the newest scan that earlier ones have not said: in one aisle they err alike for a while.
-double FieldTracker::news() const {
-  if (!weighed_to_) return 1.0;
-  return 1.0 - std::exp(-std::max(0.0, seconds(*newest_reading_ - *weighed_to_)) / parts_->settings.decorrelation_s);
+/// Correlation of the newest scan's error with the last one's: in one aisle they err alike for a while.
+double FieldTracker::echo() const {
+  if (!weighed_to_) return 0.0;
+  return std::exp(-std::max(0.0, seconds(*newest_reading_ - *weighed_to_)) / parts_->settings.decorrelation_s);
 }
 
 // How well the scan fits the survey, and whether it fits the place.

@@ -24,8 +24,8 @@ struct FieldTrackerParts {
 
 /// The project's own tracker.
 ///
-/// A scan is weighed where each particle was when its readings were heard. Successive scans err together, so each counts for less
-/// than its own likelihood says; at rest a new scan says nothing new. Floors are a recursive belief beside the cloud.
+/// A scan is weighed where each particle was when its readings were heard. Successive scans err together, so each counts for
+/// what it does not repeat; at rest a new scan says nothing new. Floors are a recursive belief beside the cloud.
 /// Thread: confined to one session.
 class FieldTracker final : public Tracker {
  public:
@@ -50,7 +50,7 @@ class FieldTracker final : public Tracker {
   void walk(const MotionReport& motion, double dt_s, double dx_m, double dy_m);
   bool believe_floors();
   bool informative();
-  double news() const;
+  double echo() const;
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
   void take_stock(const RssScan& scan, BuildingPoint carried);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kOutsidePenalty = 8.0f;      // log weight: a step through a wall is nearly impossible
 constexpr float kAgree = 6.0f;                // log-likelihood below the best walker's: farther off is another place
+constexpr float kLeastShare = 1e-12f;         // of the best walker's likelihood
 constexpr float kJitter_m = 0.15f;           // keeps copies of one particle apart
 constexpr float kStrideJitter = 0.004f;
 constexpr float kStraySigma = 0.25f;         // of a stride far from the phone's
@@ -26,7 +27,7 @@ PartDescription walkers_description() {
   return {"filter", "walkers", "walkers with a compass error and stride of their own inside the walkable area, weighed by a field; a whole tracker",
           {{"particles", static_cast<double>(standard.particles), 10, 100000, "walkers; the error falls slowly, the cost grows with it", "-", true},
            {"decorrelation_s", standard.decorrelation_s, 0.1, 100,
-            "time in which scans err together: one s after the last counts 1 - exp(-s / this); larger trusts scans less", "-"},
+            "memory of a scan's error: the next one, s later, repeats exp(-s / this) of it; larger trusts scans less", "-"},
            {"outlier", standard.outlier, 0, 1, "likelihood no walker falls below, against the best one's; larger forgives wrong scans", "-"},
            {"renewed", standard.renewed, 0, 0.5, "share drawn anew from each scan; larger finds back sooner and blurs more", "-"},
            {"heading_sigma_rad", standard.heading_sigma_rad, 0, 3.2, "compass error of a fresh walker; larger turns more freely", "-"},
@@ -56,16 +57,17 @@ WalkerSettings walker_settings(const PartSettings& s) {
 
 WalkerCloud::WalkerCloud(const WalkerSettings& settings)
     : settings_(settings),
-      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale) {}
+      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale | ParticleCloud::kEcho) {}
 
-// Compass error and stride of fresh particles; then each is carried on as it would have walked.
+// Compass error and stride of fresh particles, which have heard no scan; then each is carried on as it would have walked.
 void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
   const auto sigma = static_cast<float>(settings_.heading_sigma_rad), known = static_cast<float>(compass.known_rad);
   const auto stride_sigma = static_cast<float>(settings_.stride_sigma), strays = static_cast<float>(settings_.stray_strides);
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const Noise columns(random), directions(random);
-  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale();
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale(), said = cloud_.said();
   for (std::size_t i = begin; i < end; ++i) {
+    said[i] = 0.0f;
     const auto number = static_cast<std::uint32_t>(i);
     const Noise::Pair n = columns.normal(number);
     const auto u = directions.uniform(number);
@@ -164,7 +166,7 @@ void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::spa
   }
 }
 
-double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double news) {
+double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo) {
   const auto gained = gained_.get(cloud_.size());
   std::ranges::fill(gained, 0.0f);
   std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
@@ -177,11 +179,14 @@ double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPo
   for (const float each : gained) best = std::isfinite(each) ? std::max(best, each) : best;
   if (!std::isfinite(best)) return 1.0;
   double agree = 0.0;
-  const auto weight = static_cast<float>(news), outlier = static_cast<float>(settings_.outlier);
+  const auto repeated = static_cast<float>(echo), outlier = static_cast<float>(settings_.outlier);
+  const auto log_weight = cloud_.log_weight(), said = cloud_.said();
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const float share = std::exp(gained[i] - best);
-    if (gained[i] > best - kAgree) agree += std::exp(static_cast<double>(cloud_.log_weight()[i]));
-    cloud_.log_weight()[i] += weight * std::log(share + outlier);
+    if (gained[i] > best - kAgree) agree += std::exp(static_cast<double>(log_weight[i]));
+    // Bounded: a walker that fits nowhere must not be owed infinitely much by the next scan. NaN counts as the least.
+    const float says = std::log(std::min(1.0f + outlier, std::max(kLeastShare, std::exp(gained[i] - best) + outlier)));
+    log_weight[i] += (says - repeated * said[i]) / (1.0f + repeated);
+    said[i] = says;
   }
   cloud_.normalise();
   return agree;

@@ -16,7 +16,7 @@ namespace wayfuse {
 /// Defaults: judged walk by walk on development walks (README.md, ablation).
 struct WalkerSettings {
   int particles = 1000;
-  double decorrelation_s = 5.0;    ///< scans of one walk err together: what a scan says anew grows with the time since the last one
+  double decorrelation_s = 5.0;    ///< memory of a scan's error: the next one, s later, repeats exp(-s / this) of it
   double outlier = 0.05;           ///< likelihood, against the best particle's, that no particle falls below
   double renewed = 0.005;          ///< share of particles a scan draws anew from its likelihood: the way back when lost
   double heading_sigma_rad = 0.3;  ///< of a particle's own compass error, at its start
@@ -62,9 +62,11 @@ class WalkerCloud {
   void turn_about(const CompassPrior& compass, Random& random);
   /// One interval: displacement by the phone, its sigma per axis, the time spent on foot.
   void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
-  /// Weighs by the scan where each walker was when it was heard, to the power of `news`: how much of it is not said yet.
+  /// Weighs by the scan where each walker was when it was heard, less what it repeats of the last one: errors e of scans whose
+  /// correlation is `echo` weigh as (e - echo last)^2 / (1 - echo^2), which between two like errors is
+  /// (log-likelihood - echo last one) / (1 + echo).
   /// Answers the share of the cloud, as it was, that the scan agrees with nearly as much as with the best walker.
-  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double news);
+  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo);
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);

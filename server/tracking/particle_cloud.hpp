@@ -16,9 +16,9 @@ namespace wayfuse {
 /// Thread: confined to one session.
 class ParticleCloud {
  public:
-  enum Column : unsigned { kX, kY, kVx, kVy, kHeadingBias, kStrideScale, kLogWeight, kColumns };
+  enum Column : unsigned { kX, kY, kVx, kVy, kHeadingBias, kStrideScale, kSaid, kLogWeight, kColumns };
   /// Bit set of optional columns; x, y and the weight are always there.
-  enum : unsigned { kVelocity = 1u << kVx | 1u << kVy, kBias = 1u << kHeadingBias, kScale = 1u << kStrideScale };
+  enum : unsigned { kVelocity = 1u << kVx | 1u << kVy, kBias = 1u << kHeadingBias, kScale = 1u << kStrideScale, kEcho = 1u << kSaid };
 
   ParticleCloud() = default;
   ParticleCloud(std::size_t size, unsigned optional_columns);
@@ -36,6 +36,8 @@ class ParticleCloud {
   std::span<float> vy_mps() { return (*this)[kVy]; }
   std::span<float> heading_bias_rad() { return (*this)[kHeadingBias]; }
   std::span<float> stride_scale() { return (*this)[kStrideScale]; }
+  /// Log-likelihood of the newest scan: what the next one repeats of it is not counted again.
+  std::span<float> said() { return (*this)[kSaid]; }
   std::span<float> log_weight() { return (*this)[kLogWeight]; }
   std::span<const float> x_m() const { return (*this)[kX]; }
   std::span<const float> y_m() const { return (*this)[kY]; }

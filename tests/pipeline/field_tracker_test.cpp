@@ -101,6 +101,54 @@ TEST(FieldTracker, FollowsAWalkerWhoseCompassIsOff) {
   EXPECT_EQ(tracker->position(PhoneTime(from_seconds(60.0)))->place.floor, FloorOrdinal{1});
 }
 
+// Three rows of eleven standing points, 3 m apart, six radios along the walls, no plan; up the hall and back along its middle.
+TEST(FieldTracker, StaysInASmallHallThoughTheCompassIsOff) {
+  constexpr double kApart_m = 3.0, kLong_m = 10 * kApart_m;
+  const auto hall_scan = [](BuildingPoint p, double time_s) {
+    RssScan scan{PhoneTime(from_seconds(time_s)), {}};
+    for (int radio = 0; radio < 6; ++radio) {
+      const BuildingPoint at{kLong_m * radio / 5, radio % 2 ? 2 * kApart_m : 0.0};
+      scan.readings.push_back({Bssid{0x00'30'00'00'00'00u + static_cast<std::uint64_t>(radio)}, -38.0 - 22.0 * std::log10(1.0 + distance_m(p, at) / 2.0),
+                               Duration{0}, 2437, {}, {}});
+    }
+    return scan;
+  };
+  auto site = std::make_shared<Site>();
+  site->building = BuildingId{1};
+  site->floors.push_back({FloorOrdinal{0}, "0", {}, {}});
+  for (int i = 0; i < 33; ++i) {
+    const BuildingPoint p{kApart_m * (i / 3), kApart_m * (i % 3)};
+    site->survey.push_back({{p, FloorOrdinal{0}}, 0.0, "phone", "", {}, {hall_scan(p, i)}});
+  }
+  const auto factory = *assemble(*preset("default"), site);
+  for (const double compass_error_rad : {-0.2, 0.2}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto tracker = factory->make_tracker(Random(seed));
+      double worst_m = 0.0;
+      for (double t = 0.5; t <= 48.0; t += 0.5) {
+        const bool back = kSpeedMps * t > kLong_m;
+        tracker->feed(step(t, (back ? std::numbers::pi : 0.0) + compass_error_rad));
+        const BuildingPoint truth{back ? 2 * kLong_m - kSpeedMps * t : kSpeedMps * t, kApart_m};
+        if (std::fmod(t, 2.0) == 0.0) tracker->feed(hall_scan(truth, t));
+        if (const auto position = tracker->position(PhoneTime(from_seconds(t)))) worst_m = std::max(worst_m, distance_m(position->place.point, truth));
+      }
+      EXPECT_LT(worst_m, 5.0) << "seed " << seed << ", compass off by " << compass_error_rad;
+    }
+  }
+}
+
+// The same scan over and over, walking or not told: it says what it says once, however often it comes.
+TEST(FieldTracker, AScanRepeatedAtOnceSaysNothingNew) {
+  const auto spread_m = [](double every_s) {
+    const auto tracker = default_pipeline()->make_tracker(Random(5));
+    const BuildingPoint here = around(20.0);
+    for (int k = 0; k < 40; ++k) tracker->feed(scan_at(here, 1, 1.0 + every_s * k));
+    const Covariance now = tracker->position(PhoneTime(from_seconds(1.0 + every_s * 39)))->covariance;
+    return std::sqrt(now.xx_m2 + now.yy_m2);
+  };
+  EXPECT_GT(spread_m(0.01), 1.5 * spread_m(5.0));
+}
+
 TEST(FieldTracker, FollowsAPhoneWhoseHeadingHasNoOrigin) {
   const auto tracker = default_pipeline()->make_tracker(Random(2));
   for (double t = 0.5; t <= 90.0; t += 0.5) {
