@@ -16,7 +16,8 @@ cmp -s "$work/walk.jsonl" "$work/other.jsonl" && fail "another walk is the same 
 "$phone" record --kind castle "$work/none" 2>"$work/said" && fail "a castle was built"
 grep -q warehouse "$work/said" || fail "the kinds are not named: $(cat "$work/said")"
 
-"$server" --server.data "$work/data" --listen.port 0 --log.level warn >"$work/server" &
+: >"$work/server"   # before anybody looks for it
+"$server" --server.data "$work/data" --listen.port 0 --log.level warn >>"$work/server" &
 pid=$!
 tail -n +1 -f "$work/server" --pid "$pid" | sed -n '/"event":"ready"/q'
 url=$(sed -n 's/.*"url":"\([^"]*\)".*/\1/p' "$work/server")
