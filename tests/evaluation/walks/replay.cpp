@@ -59,7 +59,7 @@ Result<PipelineSpec> changed(const std::string& pipeline) {
     const auto part = spec->parts.find(change.substr(0, dot));
     char* end = nullptr;
     const double value = equals == std::string::npos ? 0.0 : std::strtod(change.c_str() + equals + 1, &end);
-    if (dot >= equals || part == spec->parts.end() || end == change.c_str() + equals + 1 || *end != '\0') {
+    if (equals == std::string::npos || dot >= equals || part == spec->parts.end() || end == change.c_str() + equals + 1 || *end != '\0') {
       return Fault{FaultCode::kMalformed, pipeline, "`" + change + "` is not role.setting=number of a role the preset fills"};
     }
     part->second.settings[change.substr(dot + 1, equals - dot - 1)] = value;
