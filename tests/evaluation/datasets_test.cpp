@@ -214,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Spelt{"Semicolons", "-50;\n;-60\n-40;-41\n", "1;2;0\n3;4;3.7\n5;6;7.4\n"},
                       Spelt{"Below", "-50,-110\n-110,-60\n-40,-41\n", "1,2,0,9,9\n3,4,3.7,9,9\n5,6,7.4,9,9\n"},
                       Spelt{"AboveMinus100", "50,0\n0,40\n60,59\n", "1,2,0\n3,4,3.7\n5,6,7.4\n"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& made) { return std::string(made.param.name); });
 
 TEST_P(LevelsFile, IsReadHoweverItIsSpelt) {
   const LevelsFiles files[] = {{write("rss.csv", GetParam().levels), write("crd.csv", GetParam().places), ""}};
