@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "server/recordings/recording_desk.hpp"
+#include "wayfuse/sdk/recording.hpp"
 
 namespace wayfuse {
 namespace {
@@ -9,7 +9,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kPortion = 256u << 10;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 const char* name_of(HeadingReference reference) {
   switch (reference) {
@@ -20,7 +19,7 @@ const char* name_of(HeadingReference reference) {
   return "arbitrary";
 }
 
-Json line_of(const MotionReport& motion) {
+Json to_json(const MotionReport& motion) {
   Json line{{"type", "motion"},
             {"time_us", motion.time.time_since_epoch().count()},
             {"interval_us", motion.interval.count()},
@@ -40,28 +39,13 @@ Json line_of(const MotionReport& motion) {
   return line;
 }
 
-Json line_of(const RssScan& scan) {
-  Json readings = Json::array();
-  for (const ScanReading& reading : scan.readings) {
-    Json row{{"bssid", to_string(reading.bssid)}, {"rss_dbm", reading.rss_dbm}, {"age_us", reading.age.count()}};
-    if (reading.frequency_mhz) row["frequency_mhz"] = reading.frequency_mhz;
-    if (reading.range_m) row["range_m"] = *reading.range_m;
-    if (reading.range_sigma_m) row["range_sigma_m"] = *reading.range_sigma_m;
-    readings.push_back(std::move(row));
-  }
-  return {{"type", "scan"}, {"time_us", scan.time.time_since_epoch().count()}, {"readings", std::move(readings)}};
+// A phone's motion is the one thing that its own recordings do not hold.
+std::string line_of(const MotionReport& motion, std::uint64_t sequence) {
+  Json line = to_json(motion);
+  line["sequence"] = sequence;
+  return line.dump() + "\n";
 }
-
-Json line_of(const GnssFix& fix) {
-  Json line{{"type", "gnss"},
-            {"time_us", fix.time.time_since_epoch().count()},
-            {"latitude_deg", fix.point.latitude_deg},
-            {"longitude_deg", fix.point.longitude_deg},
-            {"sigma_m", fix.sigma_m}};
-  if (fix.speed_mps) line["speed_mps"] = *fix.speed_mps;
-  if (fix.course_azimuth_rad) line["course_azimuth_deg"] = *fix.course_azimuth_rad / kDegree;
-  return line;
-}
+std::string line_of(const RecordedEvent& event, std::uint64_t sequence) { return recording_line(event, sequence); }
 
 class RecordingLines final : public BodySource {
  public:
@@ -77,9 +61,7 @@ class RecordingLines final : public BodySource {
         continue;
       }
       if (const auto* sample = std::get_if<Sample>(&entries[entry_++])) {
-        Json line = std::visit([](const auto& body) { return line_of(body); }, sample->body);
-        line["sequence"] = sample->sequence;
-        portion += line.dump() + "\n";
+        portion += std::visit([&](const auto& body) { return line_of(body, sample->sequence); }, sample->body);
       }
     }
     return portion.empty() ? std::nullopt : std::optional(std::move(portion));

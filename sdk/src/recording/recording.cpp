@@ -130,6 +130,13 @@ PhoneTime time_of(const RecordedEvent& event) {
   return std::visit([](const auto& body) { return body.time; }, event);
 }
 
+std::string recording_line(const RecordedEvent& event, std::optional<std::uint64_t> sequence) {
+  Json json = std::visit([](const auto& body) { return to_json(body); }, event);
+  json["time_us"] = time_of(event).time_since_epoch().count();
+  if (sequence) json["sequence"] = *sequence;
+  return json.dump() + "\n";
+}
+
 RecordingWriter::RecordingWriter(std::ostream& out, const RecordingHeader& header) : out_(out) {
   out_ << Json{{"type", "wayfuse-recording"},
                {"version", kVersion},
@@ -141,9 +148,7 @@ RecordingWriter::RecordingWriter(std::ostream& out, const RecordingHeader& heade
 }
 
 void RecordingWriter::write(const RecordedEvent& event) {
-  Json json = std::visit([](const auto& body) { return to_json(body); }, event);
-  json["time_us"] = time_of(event).time_since_epoch().count();
-  out_ << json << '\n';
+  out_ << recording_line(event);
   if (!out_) throw std::runtime_error("recording: the stream cannot be written");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -33,6 +34,9 @@ struct RecordingHeader {
 using RecordedEvent = std::variant<MargSample, RssScan, GnssFix, TruthMark>;
 
 PhoneTime time_of(const RecordedEvent& event);
+
+/// One line of a recording, its end included; `sequence` = the number the sample had in its session.
+std::string recording_line(const RecordedEvent& event, std::optional<std::uint64_t> sequence = {});
 
 /// Writes a recording: JSON lines, one event each, described in sdk/README.md. Numbers keep their last bit.
 ///
