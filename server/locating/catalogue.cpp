@@ -58,6 +58,7 @@ std::shared_ptr<const LocatorModel> radio_field(const LocatingSite& site, const 
   RadioFieldSettings settings;
   settings.strength.power = s["power"];
   settings.neutral = s["neutral"];
+  settings.beyond_m = s["beyond_m"];
   settings.floor_gain = s["floor_gain"];
   settings.delay_s = s["delay_s"];
   settings.learn = s.on("learn");
@@ -101,6 +102,7 @@ std::span<const LocatorRow> locator_catalogue() {
       LocatorRow{{"locator", "radio-field", "a field of likelihood over merged radios: Sorensen times cosine, weights learnt from the survey",
                   {{"power", kField.strength.power, 0, 8, "of the level's representation, 0: learnt from the survey; larger listens to near transmitters only", "-"},
                    {"neutral", kField.neutral, 0.001, 10, "kernel mass of unsurveyed ground; larger trusts sparse surveys less", "-"},
+                   {"beyond_m", kField.beyond_m, 1, 50, "off the survey, how far what is heard at its edge still speaks; larger holds on to walkers there", "-"},
                    {"floor_gain", kField.floor_gain, 0, 100, "log odds of floors a unit of distance; larger makes errors stick", "-"},
                    {"delay_s", kField.delay_s, -1, 10, "how much later than its stamp a reading belongs; below 0: learnt from the survey's walks", "-"},
                    {"learn", 1, 0, 1, "0: the weights stay as they are written", "-", true}}},

@@ -10,7 +10,8 @@
 namespace wayfuse {
 namespace {
 
-constexpr float kLeastMass = 0.01f;      // of a kernel: three sigmas away
+constexpr float kLeastMass = 0.01f;      // of a kernel, against the nearest fingerprint's: three sigmas away
+constexpr float kEdge = 2.0f;            // of beyond_m: from there on unsurveyed ground is neutral
 constexpr std::size_t kMiddleSamples = 40;
 constexpr std::size_t kMostSpare = 64;
 constexpr double kAround_m = 4.0;            // of a point: fingerprints that hear what is heard there
@@ -110,9 +111,29 @@ void RadioField::index_fingerprints() {
   norm_.resize(blocks_.padded());
 }
 
-void RadioField::lay_lattice() {
-  const auto bandwidth_m = static_cast<float>(weights_.bandwidth_m);
-  const float reach_m = bandwidth_m * std::sqrt(-2.0f * std::log(kLeastMass));
+// Every node within `reach_m` of a fingerprint: each(node, fingerprint, squared distance in m2).
+void RadioField::near_nodes(float reach_m, const auto& each) const {
+  const float reach = reach_m / kLattice_m;
+  for (const Storey& storey : storeys_) {
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+      const auto x = (static_cast<float>(fingerprints_[i].place.point.x_m) - storey.x_m) / kLattice_m;
+      const auto y = (static_cast<float>(fingerprints_[i].place.point.y_m) - storey.y_m) / kLattice_m;
+      const int last_row = std::min(storey.rows - 1, static_cast<int>(std::floor(y + reach)));
+      const int last_column = std::min(storey.columns - 1, static_cast<int>(std::floor(x + reach)));
+      for (int row = std::max(0, static_cast<int>(std::ceil(y - reach))); row <= last_row; ++row) {
+        for (int column = std::max(0, static_cast<int>(std::ceil(x - reach))); column <= last_column; ++column) {
+          const float dx_m = (static_cast<float>(column) - x) * kLattice_m, dy_m = (static_cast<float>(row) - y) * kLattice_m;
+          const float square_m2 = dx_m * dx_m + dy_m * dy_m;
+          if (square_m2 > reach_m * reach_m) continue;
+          each(storey.first_node + static_cast<std::uint32_t>(row * storey.columns + column), i, square_m2);
+        }
+      }
+    }
+  }
+}
+
+// Lattices over the surveyed ground and `edge_m` around it; returns the number of all nodes.
+std::uint32_t RadioField::measure_storeys(float edge_m) {
   std::uint32_t nodes = 0;
   for (Storey& storey : storeys_) {
     float low_x = INFINITY, low_y = INFINITY, high_x = -INFINITY, high_y = -INFINITY;
@@ -121,37 +142,38 @@ void RadioField::lay_lattice() {
       low_x = std::min(low_x, static_cast<float>(p.x_m)), high_x = std::max(high_x, static_cast<float>(p.x_m));
       low_y = std::min(low_y, static_cast<float>(p.y_m)), high_y = std::max(high_y, static_cast<float>(p.y_m));
     }
-    storey.x_m = low_x - reach_m - kLattice_m;
-    storey.y_m = low_y - reach_m - kLattice_m;
-    storey.columns = static_cast<int>((high_x + reach_m + kLattice_m - storey.x_m) / kLattice_m) + 2;
-    storey.rows = static_cast<int>((high_y + reach_m + kLattice_m - storey.y_m) / kLattice_m) + 2;
+    storey.x_m = low_x - edge_m - kLattice_m;
+    storey.y_m = low_y - edge_m - kLattice_m;
+    storey.columns = static_cast<int>((high_x + edge_m + kLattice_m - storey.x_m) / kLattice_m) + 2;
+    storey.rows = static_cast<int>((high_y + edge_m + kLattice_m - storey.y_m) / kLattice_m) + 2;
     storey.first_node = nodes;
     nodes += static_cast<std::uint32_t>(storey.columns) * static_cast<std::uint32_t>(storey.rows);
   }
-  const auto near_nodes = [&](const auto& each) {
-    for (const Storey& storey : storeys_) {
-      for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
-        const auto x = (static_cast<float>(fingerprints_[i].place.point.x_m) - storey.x_m) / kLattice_m;
-        const auto y = (static_cast<float>(fingerprints_[i].place.point.y_m) - storey.y_m) / kLattice_m;
-        const float reach = reach_m / kLattice_m;
-        for (int row = static_cast<int>(std::ceil(y - reach)); static_cast<float>(row) <= y + reach; ++row) {
-          for (int column = static_cast<int>(std::ceil(x - reach)); static_cast<float>(column) <= x + reach; ++column) {
-            const float dx_m = (static_cast<float>(column) - x) * kLattice_m;
-            const float dy_m = (static_cast<float>(row) - y) * kLattice_m;
-            const float mass = std::exp(-(dx_m * dx_m + dy_m * dy_m) / (2.0f * bandwidth_m * bandwidth_m));
-            if (mass < kLeastMass) continue;
-            each(storey.first_node + static_cast<std::uint32_t>(row * storey.columns + column), Kernel{i, mass});
-          }
-        }
-      }
-    }
+  return nodes;
+}
+
+// A node's kernel is as narrow as the bandwidth whoever is nearest; how much all of them weigh falls with the distance of the nearest.
+void RadioField::lay_lattice() {
+  const auto bandwidth_m = static_cast<float>(weights_.bandwidth_m), beyond_m = static_cast<float>(settings_.beyond_m);
+  const float edge_m = kEdge * beyond_m;
+  const float kernel_m2 = -2.0f * std::log(kLeastMass) * bandwidth_m * bandwidth_m;
+  const std::uint32_t nodes = measure_storeys(edge_m);
+  std::vector<float> nearest_m2(nodes, INFINITY);
+  near_nodes(edge_m, [&](std::uint32_t node, std::uint32_t, float square_m2) { nearest_m2[node] = std::min(nearest_m2[node], square_m2); });
+  const auto each_kernel = [&](const auto& each) {
+    near_nodes(std::sqrt(edge_m * edge_m + kernel_m2), [&](std::uint32_t node, std::uint32_t fingerprint, float square_m2) {
+      if (std::isfinite(nearest_m2[node]) && square_m2 - nearest_m2[node] < kernel_m2) each(node, fingerprint, square_m2);
+    });
   };
   first_kernel_.assign(nodes + 1, 0);
-  near_nodes([&](std::uint32_t node, const Kernel&) { first_kernel_[node + 1]++; });
+  each_kernel([&](std::uint32_t node, std::uint32_t, float) { first_kernel_[node + 1]++; });
   for (std::size_t n = 1; n < first_kernel_.size(); ++n) first_kernel_[n] += first_kernel_[n - 1];
   kernels_.resize(first_kernel_.back());
   std::vector<std::uint32_t> next(first_kernel_.begin(), first_kernel_.end() - 1);
-  near_nodes([&](std::uint32_t node, const Kernel& kernel) { kernels_[next[node]++] = kernel; });
+  each_kernel([&](std::uint32_t node, std::uint32_t fingerprint, float square_m2) {
+    const float mass = std::exp(-(square_m2 - nearest_m2[node]) / (2.0f * bandwidth_m * bandwidth_m) - nearest_m2[node] / (2.0f * beyond_m * beyond_m));
+    kernels_[next[node]++] = {fingerprint, mass};
+  });
   const std::lock_guard lock(mutex_);
   spare_.clear();
 }

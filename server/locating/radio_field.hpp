@@ -29,6 +29,7 @@ struct RadioFieldSettings {
   double sorensen_sharpness = 30.0;  ///< larger lets the best fingerprint near a point speak alone
   double cosine_sharpness = 25.0;
   double neutral = 0.2;            ///< kernel mass of unsurveyed ground, which says neither yes nor no
+  double beyond_m = 12.0;          ///< off the survey, how far what is heard at its edge still speaks; the bandwidth: not at all
   double floor_gain = 10.0;        ///< log odds of floors a unit of Sorensen distance; larger makes errors stick
   double delay_s = -1.0;           ///< how much later than its stamp a reading belongs; below 0: from the survey
   bool learn = true;               ///< weights and delay from the survey; otherwise FieldWeights as they stand
@@ -40,7 +41,8 @@ struct RadioFieldSettings {
 /// Two distances between a scan and every fingerprint, over radios instead of addresses: Sorensen's, and the cosine of the
 /// angle, both on the powed representation [Torres-Sospedra et al. 2015]. Each becomes a field by a log mean of
 /// exponentials under a Gaussian kernel, `L(x) = 1/b log((sum K e^{-b (d - m)} + n) / (sum K + n))`: the best fingerprints
-/// near x count, unsurveyed ground is neutral. Fields are sums over a 2 m lattice, evaluated only where somebody asks.
+/// near x count. Off the survey the nearest fingerprints speak on, K = e^{-(r^2 - n^2) / 2 h^2 - n^2 / 2 B^2} at the distance n of
+/// the nearest, ever more quietly: a walker who leaves surveyed ground is not torn back onto it. Farther out ground is neutral. Fields are sums over a 2 m lattice, evaluated only where somebody asks.
 /// Immutable and thread-safe.
 class RadioField final : public LocatorModel, public std::enable_shared_from_this<RadioField> {
  public:
@@ -110,6 +112,8 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
 
  private:
   void index_fingerprints();
+  void near_nodes(float reach_m, const auto& each) const;
+  std::uint32_t measure_storeys(float edge_m);
   void lay_lattice();
   void find_middles();
   void take(SurveyReading reading);

@@ -16,8 +16,8 @@ constexpr double kIdleDriftMps = 0.5;
 constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion at all may walk as anybody does
 constexpr double kStaleScanS = 15.0;
 // Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
-// development walks, once for all buildings: what differs between them is in the cloud.
-constexpr double kRadius68 = 0.95;
+// the folds of the survey walks, once for all buildings: what differs between them is in the cloud.
+constexpr double kRadius68 = 0.92;
 constexpr double kRadius95 = 2.35;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;

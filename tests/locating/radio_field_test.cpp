@@ -72,6 +72,16 @@ TEST_F(RadioFieldCorridor, FindsTheFloorAndThePlace) {
   EXPECT_GT(locator_->floors().front().probability, 0.99);
 }
 
+TEST_F(RadioFieldCorridor, SpeaksOnBeyondTheSurveyEverMoreQuietly) {
+  ASSERT_TRUE(locator_->locate(scan_at(2.0, 0)));
+  const float edge = likelihood(1.0f, 0.0f, 0), beyond = likelihood(-8.0f, 0.0f, 0), farther = likelihood(-16.0f, 0.0f, 0);
+  EXPECT_GT(edge, beyond);
+  EXPECT_GT(beyond, farther);
+  EXPECT_GT(farther, 0.0f) << "it sounds like that end of the corridor, not like anywhere";
+  EXPECT_GT(beyond, likelihood(30.0f, 0.0f, 0)) << "whoever left the corridor here is not torn back onto its other end";
+  EXPECT_EQ(likelihood(-40.0f, 0.0f, 0), 0.0f) << "far out ground is neutral";
+}
+
 TEST_F(RadioFieldCorridor, PeaksWhereTheScanWasHeardAndIsNeutralWhereNobodySurveyed) {
   locator_->locate(scan_at(10.0, 0));
   EXPECT_GT(likelihood(10.0f, 0.0f, 0), likelihood(20.0f, 0.0f, 0) + 1.0f);
