@@ -35,6 +35,7 @@ ImportedRecording motion_only(const char* app, std::vector<MargSample> samples, 
   ImportedRecording recording;
   recording.header = {"", app, "", {}};
   recording.events.assign(std::make_move_iterator(samples.begin()), std::make_move_iterator(samples.end()));
+  sort_by_time(recording.events);
   recording.complaints.push_back(std::move(lack));
   return recording;
 }
