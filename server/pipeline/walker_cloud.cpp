@@ -57,7 +57,7 @@ WalkerSettings walker_settings(const PartSettings& s) {
 
 WalkerCloud::WalkerCloud(const WalkerSettings& settings)
     : settings_(settings),
-      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale | ParticleCloud::kEcho) {}
+      cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale | ParticleCloud::kEcho | ParticleCloud::kLogsOnly) {}
 
 // Compass error and stride of fresh particles, which have heard no scan; then each is carried on as it would have walked.
 void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
@@ -167,7 +167,7 @@ void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::spa
 }
 
 double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo) {
-  const auto gained = gained_.get(cloud_.size());
+  const auto gained = cloud_.scratch();  // log-likelihood of the scan
   std::ranges::fill(gained, 0.0f);
   std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
   for (std::size_t begin = 0; begin < cloud_.size(); begin += x_then_m.size()) {

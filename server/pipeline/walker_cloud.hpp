@@ -6,7 +6,6 @@
 
 #include "server/locating/locator.hpp"
 #include "server/tracking/particle_cloud.hpp"
-#include "server/tracking/scratch.hpp"
 #include "server/tracking/walkable_area.hpp"
 #include "wayfuse/proto/part.hpp"
 #include "wayfuse/proto/random.hpp"
@@ -83,7 +82,6 @@ class WalkerCloud {
 
   WalkerSettings settings_;
   ParticleCloud cloud_;
-  Scratch<float> gained_;          // log-likelihood of the newest scan
   const WalkableArea::Plan* plan_ = nullptr;
   double on_foot_s_ = 0.0;         // since copies were last kept apart
   bool started_ = false;

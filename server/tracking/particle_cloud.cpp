@@ -16,7 +16,7 @@ ParticleCloud::ParticleCloud(std::size_t size, unsigned optional_columns) : size
   for (unsigned column = 0; column < kColumns; ++column) {
     if (columns >> column & 1u) column_[column].assign(padded, 0.0f);
   }
-  weight_.assign(padded, 0.0f);
+  if (!(optional_columns & kLogsOnly)) weight_.assign(padded, 0.0f);
   std::ranges::fill(column_[kLogWeight], -std::numeric_limits<float>::infinity());
   level();
 }
@@ -39,15 +39,16 @@ bool ParticleCloud::normalise() {
     level();
     return false;
   }
-  kernels::exponentials(log_weights, padded_size(), most, weight_.data());
+  float* const weights = weight_.empty() ? spare_.get(padded_size()).data() : weight_.data();
+  kernels::exponentials(log_weights, padded_size(), most, weights);
   std::array<float, 16> sums, squares;
-  kernels::sums_of_sixteen(weight_.data(), padded_size(), sums, squares);
+  kernels::sums_of_sixteen(weights, padded_size(), sums, squares);
   double sum = 0.0, square = 0.0;
   for (const float each : sums) sum += static_cast<double>(each);
   for (const float each : squares) square += static_cast<double>(each);
   effective_size_ = sum * sum / square;
   const float shift = most + static_cast<float>(std::log(sum));
-  kernels::shift_and_scale(log_weights, shift, weight_.data(), static_cast<float>(1.0 / sum), padded_size());
+  kernels::shift_and_scale(log_weights, shift, weights, static_cast<float>(1.0 / sum), padded_size());
   return true;
 }
 

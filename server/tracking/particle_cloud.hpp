@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,13 +20,15 @@ class ParticleCloud {
   enum Column : unsigned { kX, kY, kVx, kVy, kHeadingBias, kStrideScale, kSaid, kLogWeight, kColumns };
   /// Bit set of optional columns; x, y and the weight are always there.
   enum : unsigned { kVelocity = 1u << kVx | 1u << kVy, kBias = 1u << kHeadingBias, kScale = 1u << kStrideScale, kEcho = 1u << kSaid };
+  /// With the columns: weights as logarithms alone, weights() is not asked for. A copy is a column smaller.
+  static constexpr unsigned kLogsOnly = 1u << kColumns;
 
   ParticleCloud() = default;
   ParticleCloud(std::size_t size, unsigned optional_columns);
 
   std::size_t size() const { return size_; }
   /// Entries every column really holds: those past size() belong to nobody, and their log weights are -inf.
-  std::size_t padded_size() const { return weight_.size(); }
+  std::size_t padded_size() const { return column_[kLogWeight].size(); }
   bool has(Column column) const { return !column_[column].empty(); }
 
   std::span<float> operator[](Column column) { return {column_[column].data(), has(column) ? size_ : 0}; }
@@ -54,11 +57,16 @@ class ParticleCloud {
   /// 1 / sum of squared weights, as of the newest normalise(): 1..N.
   double effective_size() const { return effective_size_; }
   /// The weights themselves, as normalise() found them; they sum to 1 within 1e-5.
-  std::span<const float> weights() const { return {weight_.data(), size_}; }
+  std::span<const float> weights() const {
+    assert(size_ == 0 || !weight_.empty());
+    return {weight_.data(), size_};
+  }
   /// Equal weights for all.
   void level();
   /// Particle i becomes a copy of particle ancestors()[i]; all weights become equal.
   void take_ancestors();
+  /// Scratch for one number a particle, until the next normalise() or take_ancestors().
+  std::span<float> scratch() { return spare_.get(padded_size()).first(size_); }
   /// Scratch for resamplers, one entry a particle.
   std::span<std::uint32_t> ancestors() { return ancestors_.get(padded_size()).first(size_); }
 
@@ -66,7 +74,7 @@ class ParticleCloud {
   std::size_t size_ = 0;
   std::vector<float> column_[kColumns];
   Scratch<float> spare_;
-  std::vector<float> weight_;
+  std::vector<float> weight_;      // empty: logs only
   double effective_size_ = 0.0;
   Scratch<std::uint32_t> ancestors_;
 };
