@@ -101,7 +101,7 @@ TEST_P(ExplanationOf, ChangesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ExplanationOf, testing::Values("default", "p1", "nn"),
-                         [](const auto& info) { return std::string(info.param).substr(0, 2); });
+                         [](const auto& made) { return std::string(made.param).substr(0, 2); });
 
 TEST(Explanation, SaysThatAReadingWasToldBefore) {
   SessionHouse house;

@@ -57,7 +57,7 @@ struct HalfSurveyedHall {
 class MapExchange : public testing::Test, protected HalfSurveyedHall {};
 class MapExchangeOf : public MapExchange, public testing::WithParamInterface<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Pipelines, MapExchangeOf, testing::Values("default", "p1", "p3", "p4", "wknn"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& made) { return std::string(made.param); });
 
 TEST_P(MapExchangeOf, AWalkThatBeganOnHalfTheSurveyEndsOnTheWholeOfIt) {
   Caller caller;
