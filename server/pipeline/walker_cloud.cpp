@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "server/tracking/noise.hpp"
 #include "server/tracking/particle_kernels.hpp"
@@ -199,8 +200,12 @@ void WalkerCloud::renew(double share, Locator& locator, FloorOrdinal floor, Buil
   if (count == 0) return;
   const std::size_t begin = random.below(cloud_.size() - count + 1);
   if (!locator.draw(floor, random, cloud_.x_m().subspan(begin, count), cloud_.y_m().subspan(begin, count))) return;
+  // They come in at an average weight, whatever the scan says of them: what it said of an average walker is to be taken back.
+  const auto said = cloud_.said();
+  const float average = std::accumulate(said.begin(), said.end(), 0.0f) / static_cast<float>(said.size());
   scatter(begin, begin + count, carried, compass, random);
   for (std::size_t i = begin; i < begin + count; ++i) {
+    said[i] = average;
     cloud_.log_weight()[i] = -std::log(static_cast<float>(cloud_.size()));
     if (!open(cloud_.x_m()[i], cloud_.y_m()[i])) cloud_.log_weight()[i] -= kOutsidePenalty;
   }
