@@ -97,10 +97,12 @@ void RadioField::index_fingerprints() {
   sum_.assign(fingerprints_.size(), 0.0f);
   norm_.assign(fingerprints_.size(), 0.0f);
   walk_.clear();
+  homes_.assign(radios_.size(), {});
   for (const SurveyFingerprint& fingerprint : fingerprints_) walk_.push_back(fingerprint.walk);
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     for (const RadioStrength& heard : fingerprints_[i].heard) {
       levels.push_back({i, heard.radio, heard.strength});
+      if (heard.strength > homes_[heard.radio].strength) homes_[heard.radio] = {fingerprints_[i].place, heard.strength};
       sum_[i] += heard.strength;
       norm_[i] += heard.strength * heard.strength;
     }

@@ -82,6 +82,13 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   /// Whether a fingerprint within `around_m` of the point hears the radio with at least this strength.
   bool heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const;
 
+  /// Where the survey heard a radio loudest: it stands near there if that was loud.
+  struct Home {
+    Place place;
+    float strength = 0.0f;
+  };
+  const Home& home(std::uint32_t radio) const { return homes_[radio]; }
+
   /// How much stronger `heard` is than the fingerprints around the point, over the radios both hear: mean of the logarithms of
   /// the sums' ratios; absent where fewer than three fingerprints share three radios. Those of `without_walk` are left out.
   std::optional<double> loudness(std::span<const RadioStrength> heard, const Storey& storey, BuildingPoint point, int without_walk = -1) const;
@@ -129,6 +136,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   std::vector<float> sum_;                       // a fingerprint; then up to a whole block
   std::vector<float> norm_;
   std::vector<int> walk_;                        // a fingerprint
+  std::vector<Home> homes_;                      // a radio
   LevelBlocks blocks_;                           // strengths, fingerprints x radios
   std::vector<std::uint32_t> first_kernel_;      // a node, and one past the end
   std::vector<Kernel> kernels_;

@@ -10,9 +10,10 @@ namespace {
 constexpr double kStrongDbm = -50.0;
 constexpr double kWellHeardDbm = -80.0;
 constexpr double kAround_m = 25.0;
+constexpr double kAtHomeDbm = -60.0;     // heard so loud by the survey, a radio stands near there
+constexpr double kNeighbours_m = 45.0;   // between the homes of two radios that one phone can hear from close by
 constexpr int kEnoughToPlace = 8;        // radios: a scan of fewer may lie anywhere
-constexpr double kFitsSurvey = 1.8;      // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
-constexpr double kFitsWell = 1.4;        // the place can be believed, and what is not at home around it told
+constexpr double kFitsWell = 1.4;        // mismatch: the place can be believed, and what is not at home around it told
 constexpr double kFitsNothing = 2.2;     // the rest of such a scan denies nothing
 constexpr std::size_t kFewestToDeny = 5; // weak radios that must speak before a strong one is denied
 constexpr float kVagueDistance = 0.75f;  // Sorensen: the rest of the scan fits nothing and denies nothing
@@ -224,15 +225,32 @@ int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) cons
   return static_cast<int>(std::max(here, unknown + misplaced_));
 }
 
-// Where nobody surveyed, strong radios are not at home around any match: that is the survey's fault, not theirs.
+// Where nobody surveyed, strong radios are not at home around any match: that is the survey's fault, not theirs. But wherever that is,
+// radios from close by are close to each other.
 int RadioFieldLocator::out_of_place(FloorOrdinal floor, BuildingPoint point) const {
-  if (mismatch_ > kFitsNothing) return 0;
-  if (mismatch_ < kFitsWell) return implausible(floor, point);
-  return static_cast<int>(std::ranges::count(strong_, std::optional<std::uint32_t>{})) + misplaced_;
+  const int apart = apart_from_each_other();
+  if (mismatch_ > kFitsNothing) return apart;
+  const int unknown = static_cast<int>(std::ranges::count(strong_, std::optional<std::uint32_t>{}));
+  return std::max(mismatch_ < kFitsWell ? implausible(floor, point) : unknown + misplaced_, unknown + apart);
+}
+
+// Of the strong radios with a home: how many are not of the largest group that can be neighbours.
+int RadioFieldLocator::apart_from_each_other() const {
+  const float loud = field_->settings().strength.of(kAtHomeDbm, 0.0);
+  const auto settled = [&](const std::optional<std::uint32_t>& radio) { return radio && field_->home(*radio).strength >= loud; };
+  std::ptrdiff_t largest = 0;
+  for (const auto& radio : strong_) {
+    if (!settled(radio)) continue;
+    const BuildingPoint home = field_->home(*radio).place.point;
+    largest = std::max(largest, std::ranges::count_if(strong_, [&](const auto& other) {
+      return settled(other) && distance_m(field_->home(*other).place.point, home) <= kNeighbours_m;
+    }));
+  }
+  return static_cast<int>(std::ranges::count_if(strong_, settled) - largest);
 }
 
 std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoint point) const {
-  if (!scratch_ || known_ < kEnoughToPlace || mismatch_ > kFitsSurvey) return std::nullopt;
+  if (!scratch_ || known_ < kEnoughToPlace) return std::nullopt;
   float here = 2.0f, elsewhere = 2.0f;
   for (const RadioField::Storey& each : field_->storeys()) {
     for (std::uint32_t i = each.begin; i < each.end; ++i) {

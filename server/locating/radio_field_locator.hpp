@@ -40,6 +40,7 @@ class RadioFieldLocator final : public Locator {
   static constexpr double kOffsetSigma_db = 4.0;   // between phone models
   bool listen(const RssScan& scan);
   void leave_out_misplaced();
+  int apart_from_each_other() const;
   void vote();
   const RadioField::Storey* storey(FloorOrdinal floor) const;
   float node(const RadioField::Storey& storey, int column, int row) const;

@@ -4,24 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/pipeline/weighted_places.hpp"
-
 namespace wayfuse {
 namespace {
 
 constexpr double kLongPauseS = 5.0;          // without reports for longer, the walker may be anywhere within a stroll [SAFETY C15]
 constexpr double kStrollMps = 1.0;
 constexpr double kMostSpread_m = 50.0;
-constexpr double kIdleDriftMps = 0.5;
-constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion at all may walk as anybody does
-constexpr double kStaleScanS = 15.0;
-// Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
-// the folds of the survey walks, once for all buildings: what differs between them is in the cloud.
-constexpr double kRadius68 = 0.92;
-constexpr double kRadius95 = 2.35;
-constexpr double kLeastSpread_m = 1.0;
-constexpr double kDoubtPower = 0.3;
-constexpr double kStrange = 2.5;               // mismatch: the scan belongs to no surveyed place
 constexpr double kDoubtMemory = 0.6;         // of the last scans' fit and disagreement in the running mean
 constexpr double kSettled_m = 8.0;             // a cloud smaller than this knows where a scan was heard
 constexpr double kClimbing_mps = 0.15;        // steeper is a stair, a ramp or a lift, not a swinging arm
@@ -38,6 +26,7 @@ constexpr int kFixesElsewhere = 2;
 constexpr double kRenewedWhenLost = 0.5;
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
 constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
+constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
@@ -92,6 +81,8 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       random_(other.random_),
       locator_(other.locator_->clone()),
       cloud_(other.cloud_),
+      second_(other.second_),
+      contradicted_(other.contradicted_),
       floors_(other.floors_),
       floor_(other.floor_),
       odometry_(other.odometry_),
@@ -124,6 +115,7 @@ FieldTracker::FieldTracker(std::shared_ptr<const FieldTrackerParts> parts, const
   locator_->inherit(*older.locator_);
   const BuildingPoint moved = minus(older.parts_->origin, parts_->origin);
   if (moved != BuildingPoint{}) cloud_.shift(moved.x_m, moved.y_m);
+  second_.drop();
   if (floor_) cloud_.enter(outdoors_ ? nullptr : parts_->walkable.plan(*floor_));
   watch_.begin_anew_with_the_survey();
 }
@@ -179,6 +171,7 @@ void FieldTracker::walk(const MotionReport& motion, double dt_s, double dx_m, do
   // On stairs nobody knows the stride.
   if (std::abs(motion.climb_m.value_or(0.0)) > kClimbing_mps * dt_s) sigma_m = std::hypot(sigma_m, 0.5 * distance_m);
   cloud_.walk(dx_m, dy_m, sigma_m, motion.at_rest ? 0.0 : dt_s, random_);
+  second_.walk(dx_m, dy_m, sigma_m, motion.at_rest ? 0.0 : dt_s, random_);
 }
 
 void FieldTracker::feed(const RssScan& scan) {
@@ -202,7 +195,9 @@ void FieldTracker::feed(const RssScan& scan) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
   } else if (informative() || climbed || lost) {
     if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
-    const bool strayed = elsewhere(cloud_.weigh(*locator_, *floor_, carried, echo()));
+    const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
+    const bool lost_to_another = second_opinion(heard.log_evidence, carried);
+    const bool strayed = elsewhere(heard.agree) && !lost_to_another;
     cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
@@ -237,7 +232,8 @@ void FieldTracker::take_stock(const RssScan& scan, BuildingPoint carried) {
 // carried off is looked for where they say, on whatever floor.
 bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   const auto misfit = locator_->misfit(*floor_, minus(cloud_.spread().mean, carried));
-  if (!misfit) return false;
+  contradicted_ = misfit && SecondOpinion::contradicts(*misfit, locator_->mismatch());
+  if (!misfit || locator_->mismatch() > kFitsSurvey) return false;
   watch_.compare(*misfit, {plus(fix.place.point, carried), fix.place.floor}, *newest_);
   if (!watch_.elsewhere()) return false;
   const auto votes = locator_->floors();
@@ -245,6 +241,25 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   floor_ = floors_.front().floor;
   cloud_.enter(parts_->walkable.plan(*floor_));
   return true;
+}
+
+// True when the track was given up for another one that foretells the scans better.
+bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
+  const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
+  if (second_.hear(*locator_, first, carried, echo(), random_)) {
+    if (second_.floor() != *floor_) {
+      const auto votes = locator_->floors();
+      floors_.assign(votes.begin(), votes.end());
+      floor_ = floors_.front().floor;
+    }
+    cloud_ = second_.take();
+    cloud_.enter(parts_->walkable.plan(*floor_));
+    return true;
+  }
+  if (second_.begun() || !contradicted_) return false;
+  const FloorOrdinal there = locator_->floors().front().floor;
+  second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
+  return false;
 }
 
 // Scan after scan speaks for another place than the cloud's [SAFETY C16].
@@ -315,7 +330,10 @@ void FieldTracker::feed(const GnssFix& fix) {
   outdoors_ = plan && fix.sigma_m < kClearSky_m && !plan->open(static_cast<float>(point.x_m), static_cast<float>(point.y_m));
   gnss_at_ = fix.time;
   cloud_.enter(outdoors_ ? nullptr : plan);
-  if (!cloud_.started() || lost_to(point, fix.sigma_m)) return cloud_.start_about(point, fix.sigma_m, compass(), random_);
+  if (!cloud_.started() || lost_to(point, fix.sigma_m)) {
+    second_.drop();
+    return cloud_.start_about(point, fix.sigma_m, compass(), random_);
+  }
   cloud_.weigh(point, fix.sigma_m);
   cloud_.settle(random_);
 }
@@ -329,66 +347,6 @@ bool FieldTracker::lost_to(BuildingPoint point, double sigma_m) {
   if (fixes_elsewhere_ < kFixesElsewhere) return false;
   fixes_elsewhere_ = 0;
   return true;
-}
-
-Integrity FieldTracker::integrity(PhoneTime at) const {
-  if (watch_.suspect(at)) return Integrity::kSuspect;
-  return stale(at) || foreign() || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;
-}
-
-bool FieldTracker::stale(PhoneTime at) const { return !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS; }
-
-bool FieldTracker::foreign() const {
-  return from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
-}
-
-std::vector<std::string> FieldTracker::doubts(PhoneTime at) const {
-  std::vector<std::string> reasons;
-  if (watch_.suspect(at)) reasons.emplace_back("scans were copied, or contradicted the track, or held strong radios out of place");
-  if (stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
-  if (foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
-  if (implausible_ > 0) reasons.push_back(std::to_string(implausible_) + " strong access points are not at home around here");
-  if (mismatch_ > kStrange) reasons.emplace_back("the scans are like no surveyed place");
-  return reasons;
-}
-
-std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
-  if (!cloud_.started() || !floor_) return std::nullopt;
-  const WalkerCloud::Spread now = cloud_.spread();
-  if (!std::isfinite(now.mean.x_m) || !std::isfinite(now.mean.y_m)) return std::nullopt;
-  const double idle_s = newest_ ? std::max(0.0, seconds(at - *newest_)) : 0.0;
-  const double drift_m = at_rest_ || idle_s < 1.0 ? 0.0 : (moved_to_ ? kIdleDriftMps : kWithoutMotionMps) * idle_s;
-  const double radius_m = std::sqrt(now.covariance.xx_m2 + now.covariance.yy_m2);
-  FusedPosition position;
-  position.valid_at = at;
-  position.building = parts_->site->building;
-  position.place = {plus(now.mean, parts_->origin), *floor_};
-  if (parts_->site->georeference) position.geo = parts_->site->georeference->to_geo(position.place.point);
-  position.floors = floors_;
-  position.covariance = {now.covariance.xx_m2 + drift_m * drift_m, now.covariance.xy_m2, now.covariance.yy_m2 + drift_m * drift_m};
-  // Scans weighed by a part of what they say leave a cloud as wide as the error; a scan that fits nothing widens it.
-  const double doubt_m = std::hypot(radius_m, kLeastSpread_m) * std::pow(std::max(1.0, mismatch_), kDoubtPower);
-  position.radius68_m = std::hypot(kRadius68 * doubt_m, drift_m);
-  position.radius95_m = std::max(position.radius68_m, std::hypot(kRadius95 * doubt_m, 2.0 * drift_m));
-  position.heading = Heading::from_radians(heading_rad_);
-  position.heading_sigma_rad = moved_to_ ? std::hypot(heading_sigma_rad_, parts_->settings.heading_sigma_rad) : kLostHeadingRad;
-  position.speed_mps = speed_mps_;
-  position.radio_map_version = parts_->site->radio_map_version;
-  position.from = from_;
-  position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};
-  position.integrity = integrity(at);
-  return position;
-}
-
-std::vector<WeightedPlace> FieldTracker::cloud(std::size_t most) const {
-  if (!cloud_.started()) return {};
-  return weighted_places(cloud_.particles(), parts_->origin, most);
-}
-
-Fault FieldTracker::why_no_fix() const {
-  if (parts_->empty_map) return {FaultCode::kEmptyRadioMap, "", "the building has no fingerprints yet"};
-  if (heard_scans_ == 0) return {FaultCode::kNotFound, "", "no fresh scan heard yet"};
-  return {FaultCode::kNoKnownAccessPoint, "", "no access point of the newest scan is on the map"};
 }
 
 }  // namespace wayfuse

@@ -7,6 +7,7 @@
 #include "server/locating/catalogue.hpp"
 #include "server/pipeline/odometry.hpp"
 #include "server/pipeline/scan_watch.hpp"
+#include "server/pipeline/second_opinion.hpp"
 #include "server/pipeline/tracker.hpp"
 #include "server/pipeline/walker_cloud.hpp"
 
@@ -53,6 +54,7 @@ class FieldTracker final : public Tracker {
   double echo() const;
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
+  bool second_opinion(double log_evidence, BuildingPoint carried);
   void take_stock(const RssScan& scan, BuildingPoint carried);
   bool astray(const Fix& fix, BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
@@ -63,6 +65,8 @@ class FieldTracker final : public Tracker {
   Random random_;
   std::unique_ptr<Locator> locator_;
   WalkerCloud cloud_;
+  SecondOpinion second_;
+  bool contradicted_ = false;      ///< the track, by the newest scan
   std::vector<FloorProbability> floors_;
   std::optional<FloorOrdinal> floor_;
   Odometry odometry_;

@@ -36,14 +36,14 @@ void ScanWatch::hear(const RssScan& scan, BuildingPoint odometry) {
   const bool copy = anew >= settings_.same_levels && same >= settings_.same_share * anew;
   if (!copy) copies_ = 0;
   else if (walked) ++copies_;
-  if (copies_ >= settings_.copies) suspect_from(scan.time);
+  if (copies_ >= settings_.copies) suspect_from(scan.time, Trick::kCopied);
   if (!copy || walked) last_odometry_ = odometry;
   std::swap(last_, now_);
 }
 
 void ScanWatch::count_strong(int out_of_place, PhoneTime at) {
   const bool twice = std::min(out_of_place, strong_before_) >= settings_.strong_twice;
-  if (out_of_place >= settings_.strong || twice) suspect_from(at);
+  if (out_of_place >= settings_.strong || twice) suspect_from(at, Trick::kOutOfPlace);
   strong_before_ = out_of_place;
 }
 
@@ -60,7 +60,7 @@ void ScanWatch::compare(double misfit, Place elsewhere, PhoneTime at) {
   const bool together = elsewhere.floor == jumped_to_.floor && distance_m(elsewhere.point, jumped_to_.point) <= settings_.together_m;
   jumps_ = jumps_ > 0 && !together ? 1 : jumps_ + 1;
   jumped_to_ = elsewhere;
-  if (jumps_ >= settings_.jumps) suspect_from(at);
+  if (jumps_ >= settings_.jumps) suspect_from(at, Trick::kElsewhere);
 }
 
 }  // namespace wayfuse

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct ScanWatchSettings {
   double hold_s = 5.0;             ///< a suspicion stays so long after its newest reason
 };
 
+/// What makes a scan dishonest.
+enum class Trick : std::uint8_t { kCopied, kElsewhere, kOutOfPlace };
+
 /// Tells scans that cannot be honest: radios out of place, a recording played again, a place nobody could have walked to
 /// [SAFETY C26]. It says so and moves nothing.
 ///
@@ -42,6 +46,8 @@ class ScanWatch {
   void begin_anew_with_the_survey() { agreed_ = jumps_ = 0; }
 
   bool suspect(PhoneTime at) const { return since_s(at) <= settings_.hold_s; }
+  /// The newest reason, where suspect().
+  Trick trick() const { return trick_; }
   /// The newest scan repeats an older one as if heard anew.
   bool copied() const { return copies_ > 0; }
   /// Several scans in a row, none of them a copy, contradict a track that others agreed with: the phone was carried off, or somebody
@@ -50,7 +56,7 @@ class ScanWatch {
 
  private:
   double since_s(PhoneTime at) const;
-  void suspect_from(PhoneTime at) { newest_reason_ = at; }
+  void suspect_from(PhoneTime at, Trick trick) { newest_reason_ = at, trick_ = trick; }
 
   struct Heard {
     Bssid bssid;
@@ -62,6 +68,7 @@ class ScanWatch {
   std::vector<Heard> now_;
   BuildingPoint last_odometry_;
   std::optional<PhoneTime> newest_reason_;
+  Trick trick_ = Trick::kCopied;
   int copies_ = 0;
   int strong_before_ = 0;
   int agreed_ = 0;

@@ -15,6 +15,7 @@ namespace {
 constexpr float kOutsidePenalty = 8.0f;      // log weight: a step through a wall is nearly impossible
 constexpr float kAgree = 6.0f;                // log-likelihood below the best walker's: farther off is another place
 constexpr float kLeastShare = 1e-12f;         // of the best walker's likelihood
+constexpr double kLeastLikelihood = 1e-9;
 constexpr float kJitter_m = 0.15f;           // keeps copies of one particle apart
 constexpr float kStrideJitter = 0.004f;
 constexpr float kStraySigma = 0.25f;         // of a stride far from the phone's
@@ -167,7 +168,7 @@ void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::spa
   }
 }
 
-double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo) {
+WalkerCloud::Hearing WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo) {
   const auto gained = cloud_.scratch();  // log-likelihood of the scan
   std::ranges::fill(gained, 0.0f);
   std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
@@ -178,19 +179,23 @@ double WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPo
   }
   float best = -INFINITY;
   for (const float each : gained) best = std::isfinite(each) ? std::max(best, each) : best;
-  if (!std::isfinite(best)) return 1.0;
-  double agree = 0.0;
+  if (!std::isfinite(best)) return {};
+  double agree = 0.0, likelihood = 0.0;
   const auto repeated = static_cast<float>(echo), outlier = static_cast<float>(settings_.outlier);
   const auto log_weight = cloud_.log_weight(), said = cloud_.said();
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    if (gained[i] > best - kAgree) agree += std::exp(static_cast<double>(log_weight[i]));
+    if (gained[i] > best - kAgree) {
+      const double mass = std::exp(static_cast<double>(log_weight[i]));
+      agree += mass;
+      likelihood += mass * std::exp(static_cast<double>(gained[i] - best));
+    }
     // Bounded: a walker that fits nowhere must not be owed infinitely much by the next scan. NaN counts as the least.
     const float says = std::log(std::min(1.0f + outlier, std::max(kLeastShare, std::exp(gained[i] - best) + outlier)));
     log_weight[i] += (says - repeated * said[i]) / (1.0f + repeated);
     said[i] = says;
   }
   cloud_.normalise();
-  return agree;
+  return {agree, static_cast<double>(best) + std::log(std::max(likelihood, kLeastLikelihood))};
 }
 
 // Some particles begin again where the scan says. They weigh as much as an average one.

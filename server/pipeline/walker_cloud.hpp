@@ -64,8 +64,11 @@ class WalkerCloud {
   /// Weighs by the scan where each walker was when it was heard, less what it repeats of the last one: errors e of scans whose
   /// correlation is `echo` weigh as (e - echo last)^2 / (1 - echo^2), which between two like errors is
   /// (log-likelihood - echo last one) / (1 + echo).
-  /// Answers the share of the cloud, as it was, that the scan agrees with nearly as much as with the best walker.
-  double weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo);
+  struct Hearing {
+    double agree = 1.0;            ///< share of the cloud, as it was, that the scan agrees with nearly as much as with the best walker
+    double log_evidence = 0.0;     ///< of the whole scan, given the cloud as it was; up to a constant of the scan
+  };
+  Hearing weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo);
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);

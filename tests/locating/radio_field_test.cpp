@@ -132,6 +132,33 @@ TEST_F(RadioFieldCorridor, StrongRadiosNobodyHeardAroundAreImplausible) {
   EXPECT_EQ(locator_->implausible(FloorOrdinal{0}, {20.0, 0.0}), 0);
 }
 
+// Three halls of one floor, 100 m apart, and a phone where nobody surveyed.
+TEST(RadioField, RadiosHeardFromCloseByLiveCloseToEachOther) {
+  std::vector<ReferencePoint> survey;
+  for (int hall = 0; hall < 3; ++hall) {
+    for (int walk = 0; walk < 2; ++walk) {
+      for (int i = 0; i <= 30; ++i) {
+        RssScan scan = scan_at(1.3 * i, hall, 0.0, i);
+        survey.push_back({{{100.0 * hall + 1.3 * i, 0.0}, FloorOrdinal{0}}, 0.0, "phone", std::to_string(2 * hall + walk), {}, {scan}});
+      }
+    }
+  }
+  const auto field = std::make_shared<RadioField>(survey, in_step());
+  const auto locator = field->make();
+  const auto out_of_place = [&](int a, int b, int c) {
+    RssScan scan;
+    for (int i = 0; i < 40; ++i) scan.readings.push_back(reading(9, i, -70.0));  // of shops that opened since
+    scan.readings.push_back(reading(a, 1, -35.0));
+    scan.readings.push_back(reading(b, 4, -35.0));
+    scan.readings.push_back(reading(c, 7, -35.0));
+    EXPECT_TRUE(locator->locate(scan));
+    return locator->out_of_place(FloorOrdinal{0}, {150.0, 0.0});
+  };
+  EXPECT_EQ(out_of_place(1, 1, 1), 0);
+  EXPECT_EQ(out_of_place(1, 1, 2), 1);
+  EXPECT_EQ(out_of_place(0, 1, 2), 2);
+}
+
 TEST_F(RadioFieldCorridor, NothingKnownIsNoFix) {
   EXPECT_FALSE(locator_->locate(RssScan{}));
   RssScan foreign;

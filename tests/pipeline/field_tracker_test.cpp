@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -173,6 +174,26 @@ TEST(FieldTracker, FindsBackFromAWrongStartWithinFifteenSeconds) {
   EXPECT_LT(errors_m[37], 10.0) << "95 % [SAFETY R19]; median " << errors_m[19];
 }
 
+// To the opposite side of the block, on another floor.
+TEST(FieldTracker, CarriedOffItIsFoundWithinFifteenSeconds) {
+  std::vector<double> errors_m;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto tracker = default_pipeline()->make_tracker(Random(seed));
+    walk(*tracker, 0.0, 40.0, 0.0);
+    BuildingPoint now;
+    for (double t = 40.5; t <= 55.0; t += 0.5) {
+      const BuildingPoint a = around(kSpeedMps * (t - 0.5) + 2 * kSide_m);
+      now = around(kSpeedMps * t + 2 * kSide_m);
+      tracker->feed(step(t, std::atan2(now.y_m - a.y_m, now.x_m - a.x_m)));
+      if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(now, 0, t));
+    }
+    const auto position = *tracker->position(PhoneTime(from_seconds(55.0)));
+    errors_m.push_back(position.place.floor == FloorOrdinal{0} ? distance_m(position.place.point, now) : 100.0);
+  }
+  std::ranges::sort(errors_m);
+  EXPECT_LT(errors_m[18], 10.0) << "95 % [SAFETY R19]; median " << errors_m[9];
+}
+
 TEST(FieldTracker, APhoneLyingStillStaysWhereItIs) {
   const auto tracker = default_pipeline()->make_tracker(Random(4));
   walk(*tracker, 0.0, 20.0, 0.0);
@@ -283,6 +304,7 @@ TEST(FieldTracker, ThreeStrongRadiosOutOfPlaceAreSuspect) {
   tracker->feed(scan);
   const auto position = tracker->position(PhoneTime(from_seconds(20.5)));
   EXPECT_EQ(position->integrity, Integrity::kSuspect);
+  EXPECT_THAT(tracker->doubts(PhoneTime(from_seconds(20.5))), testing::Contains(testing::HasSubstr("strong access points do not belong")));
   EXPECT_LT(distance_m(position->place.point, around(kSpeedMps * 20.0)), 5.0);
 }
 

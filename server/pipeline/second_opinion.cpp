@@ -1,0 +1,55 @@
+#include "server/pipeline/second_opinion.hpp"
+
+#include <algorithm>
+
+namespace wayfuse {
+namespace {
+
+// Of a distance in signal space. A scan from unsurveyed ground speaks for wherever it is least unlike: more is asked of it, and one
+// that fits nothing is not asked at all.
+constexpr double kContradicts = 0.05;
+constexpr double kContradictsOffSurvey = 0.2;
+constexpr double kSurveyed = 1.8;          // mismatch
+constexpr double kFitsNothing = 2.5;
+constexpr double kMostOfAScan = 8.0;       // log Bayes factor: no scan is surer than that
+constexpr double kWins = 1.6;
+constexpr double kLoses = -1.0;
+constexpr int kScans = 8;                  // undecided by then, there is nothing to decide
+constexpr double kSame_m = 8.0;            // both speak for one place
+
+}  // namespace
+
+bool SecondOpinion::contradicts(double misfit, double mismatch) {
+  return mismatch < kFitsNothing && misfit > (mismatch > kSurveyed ? kContradictsOffSurvey : kContradicts);
+}
+
+void SecondOpinion::begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan,
+                          BuildingPoint carried, const CompassPrior& compass, Random& random) {
+  rival_ = std::make_unique<Rival>(Rival{WalkerCloud(settings), floor});
+  rival_->cloud.enter(plan);
+  rival_->cloud.start_from(locator, floor, carried, compass, random);
+  if (!rival_->cloud.started()) drop();
+}
+
+void SecondOpinion::walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random) {
+  if (rival_) rival_->cloud.walk(dx_m, dy_m, sigma_m, on_foot_s, random);
+}
+
+bool SecondOpinion::hear(const Locator& locator, const First& first, BuildingPoint carried, double echo, Random& random) {
+  if (!rival_) return false;
+  const double ahead = rival_->cloud.weigh(locator, rival_->floor, carried, echo).log_evidence - first.log_evidence;
+  rival_->cloud.settle(random);
+  rival_->lead += (1.0 - echo) * std::clamp(ahead, -kMostOfAScan, first.contradicted ? kMostOfAScan : 0.0);
+  if (rival_->lead >= kWins) return true;
+  const bool same = first.floor == rival_->floor && distance_m(first.mean, rival_->cloud.spread().mean) < kSame_m;
+  if (same || rival_->lead <= kLoses || ++rival_->heard >= kScans) drop();
+  return false;
+}
+
+WalkerCloud SecondOpinion::take() {
+  WalkerCloud taken = std::move(rival_->cloud);
+  drop();
+  return taken;
+}
+
+}  // namespace wayfuse

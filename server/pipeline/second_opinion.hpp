@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+
+#include "server/pipeline/walker_cloud.hpp"
+
+namespace wayfuse {
+
+/// A rival to a track that a scan contradicts: a cloud begun from that scan, walking and hearing beside the first.
+///
+/// Which of the two foretells the following scans better takes the track: a Bayes factor, each scan counted for what it does not
+/// repeat of the last. A lost track is left in one piece, its place found from several scans together. There is none, and it costs
+/// nothing, while scans agree with the track. Thread: confined to one session.
+class SecondOpinion {
+ public:
+  SecondOpinion() = default;
+  SecondOpinion(const SecondOpinion& other) : rival_(other.rival_ ? std::make_unique<Rival>(*other.rival_) : nullptr) {}
+
+  /// How much worse than elsewhere a scan must fit around a track to contradict it (Locator::misfit), by how well it fits at all.
+  static bool contradicts(double misfit, double mismatch);
+
+  bool begun() const { return rival_ != nullptr; }
+  /// Of the second, where begun(), as is take().
+  FloorOrdinal floor() const { return rival_->floor; }
+  /// From the locator's newest scan; stays unbegun when it cannot say.
+  void begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan, BuildingPoint carried,
+             const CompassPrior& compass, Random& random);
+  /// As WalkerCloud::walk.
+  void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
+  struct First {
+    double log_evidence = 0.0;     ///< of the newest scan (WalkerCloud::Hearing)
+    bool contradicted = false;     ///< by it
+    BuildingPoint mean;
+    FloorOrdinal floor;
+  };
+  /// The newest scan, heard by both. True: the second is to be taken.
+  bool hear(const Locator& locator, const First& first, BuildingPoint carried, double echo, Random& random);
+  void drop() { rival_.reset(); }
+  WalkerCloud take();
+
+ private:
+  struct Rival {
+    WalkerCloud cloud;
+    FloorOrdinal floor;
+    double lead = 0.0;             ///< log Bayes factor, above 0: the second foretells better
+    int heard = 0;
+  };
+  std::unique_ptr<Rival> rival_;   // a session that needs none pays a pointer
+};
+
+}  // namespace wayfuse

@@ -1,0 +1,84 @@
+#include "server/pipeline/second_opinion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wayfuse {
+namespace {
+
+constexpr double kEcho = 0.67;  // scans every 2 s
+
+/// Every scan was heard within 3 m of one point.
+class Beacon final : public Locator {
+ public:
+  explicit Beacon(BuildingPoint point) : point_(point) {}
+  std::unique_ptr<Locator> clone() const override { return std::make_unique<Beacon>(*this); }
+  std::optional<Fix> locate(const RssScan&) override { return Fix{{point_, FloorOrdinal{0}}, 3.0, 10}; }
+  int transmitters_known() const override { return 10; }
+  int transmitters_unknown() const override { return 0; }
+  bool has_likelihood() const override { return true; }
+  void add_log_likelihood(std::span<const float> x_m, std::span<const float> y_m, FloorOrdinal, std::span<float> out) const override {
+    for (std::size_t i = 0; i < x_m.size(); ++i) out[i] -= static_cast<float>((std::pow(static_cast<double>(x_m[i]) - point_.x_m, 2) + std::pow(static_cast<double>(y_m[i]) - point_.y_m, 2)) / 18.0);
+  }
+  bool draw(FloorOrdinal, Random& random, std::span<float> x_m, std::span<float> y_m) override {
+    for (std::size_t i = 0; i < x_m.size(); ++i) {
+      x_m[i] = static_cast<float>(point_.x_m + 3.0 * random.normal());
+      y_m[i] = static_cast<float>(point_.y_m + 3.0 * random.normal());
+    }
+    return true;
+  }
+
+ private:
+  BuildingPoint point_;
+};
+
+class SecondOpinionAbout : public testing::Test {
+ protected:
+  SecondOpinionAbout() { second_.begin(WalkerSettings{}, there_, FloorOrdinal{0}, nullptr, {}, {}, random_); }
+  bool hear(double log_evidence, bool contradicted = true, BuildingPoint mean = {-60.0, 0.0}) {
+    return second_.hear(there_, {log_evidence, contradicted, mean, FloorOrdinal{0}}, {}, kEcho, random_);
+  }
+  Beacon there_{{40.0, 0.0}};
+  Random random_{1};
+  SecondOpinion second_;
+};
+
+TEST_F(SecondOpinionAbout, ATrackThatForetellsNothingIsTaken) {
+  ASSERT_TRUE(second_.begun());
+  EXPECT_TRUE(hear(-30.0));
+  const WalkerCloud taken = second_.take();
+  EXPECT_LT(distance_m(taken.spread().mean, {40.0, 0.0}), 2.0);
+  EXPECT_FALSE(second_.begun());
+}
+
+TEST_F(SecondOpinionAbout, ATrackALittleWorseTakesSeveralScans) {
+  int scans = 1;
+  while (second_.begun() && !hear(-4.0)) ++scans;
+  EXPECT_GE(scans, 2);
+  EXPECT_LE(scans, 4);
+}
+
+TEST_F(SecondOpinionAbout, ATrackThatForetellsAsWellKeepsItsPlace) {
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(hear(-0.6));
+  EXPECT_FALSE(second_.begun()) << "undecided for long: dropped";
+}
+
+TEST_F(SecondOpinionAbout, ScansThatDoNotContradictTheTrackSpeakForNobodyElse) {
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(hear(-30.0, false));
+}
+
+TEST_F(SecondOpinionAbout, OneThatCameToTheSamePlaceIsNone) {
+  EXPECT_FALSE(hear(-4.0, true, {42.0, 0.0}));
+  EXPECT_FALSE(second_.begun());
+}
+
+TEST(SecondOpinion, MoreIsAskedOfScansFromUnsurveyedGround) {
+  EXPECT_TRUE(SecondOpinion::contradicts(0.1, 1.0));
+  EXPECT_FALSE(SecondOpinion::contradicts(0.1, 2.0));
+  EXPECT_TRUE(SecondOpinion::contradicts(0.3, 2.0));
+  EXPECT_FALSE(SecondOpinion::contradicts(0.9, 3.0));
+}
+
+}  // namespace
+}  // namespace wayfuse
