@@ -62,6 +62,7 @@ std::string to_json(const RadioMapRecord& map, bool live, const std::vector<MapQ
               {"sha256", hex(map.sha256)},
               {"bytes", map.bytes},
               {"points", recipe.value("points", std::uint64_t{0})},
+              {"devices", recipe.value("devices", Json::array())},
               {"recipe", recipe},
               {"quality", quality_of(pool(measured))}}
       .dump();

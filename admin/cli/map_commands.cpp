@@ -65,6 +65,19 @@ void show_maps(const Json& maps) {
   std::cout << table({"version", "", "survey", "points", "sha256", "instants", "mean_m", "median_m", "p90_m", "floor_hit", "in68", "in95"}, rows);
 }
 
+/// The version, how well it did, and of each phone model that surveyed what the map takes out of its readings.
+void show_map(const Json& map) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& device : map["devices"]) {
+    rows.push_back({text_of(device, "model"), text_of(device, "points"), text_of(device, "standing"), text_of(device, "offset_db", "%+.1f"),
+                    text_of(device, "places"), text_of(device, "transmitters")});
+  }
+  std::cout << "version " << text_of(map, "version") << (map.value("live", false) ? " (live)" : "") << ", survey " << text_of(map, "survey_version")
+            << ", " << text_of(map, "points") << " points, sha256 " << text_of(map, "sha256") << "\n\n"
+            << table({"instants", "mean_m", "median_m", "p90_m", "floor_hit", "in68", "in95"}, {quality_cells(map["quality"])}) << "\n"
+            << table({"device", "points", "standing", "offset_db", "places", "transmitters"}, rows);
+}
+
 void show_comparison(const Json& comparison) {
   std::cout << "version " << text_of(comparison, "version") << " against " << text_of(comparison, "live") << " (live): "
             << text_of(comparison, "verdict") << "\n";
@@ -143,7 +156,9 @@ void add_version_commands(CLI::App& app, Program& program, MapOptions& options) 
   on_building(*map, program, "build", "Build a version from the survey as it stands and replay the quality walks on it")->callback([&program] {
     program.call = {"POST", building_path(program, "/maps")};
   });
-  on_version("show", "One version")->callback([&program, at] { program.call = {"GET", at("")}; });
+  on_version("show", "One version: quality, and the phone models that surveyed with what is taken out of their readings")->callback([&program, at] {
+    program.run = [&program, path = at("")] { return ask(program, {"GET", path}, show_map); };
+  });
   auto* compare = on_version("compare", "A version against the live one, walk by walk");
   compare->add_option("--pipeline", options.pipeline, "Replay with this preset instead of the building's own");
   compare->callback([&program, &options, at] {

@@ -1,6 +1,7 @@
 #include "server/buildings/map_versions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "db/content_hash.hpp"
@@ -10,13 +11,30 @@ namespace wayfuse {
 namespace {
 
 constexpr int kFormat = 1;
+constexpr std::size_t kDevicesTold = 100;  // those that surveyed most; the recipe is bounded
 
-MapManifest manifest_of(const std::vector<ReferencePoint>& points, std::vector<Bssid> distrusted) {
-  MapManifest manifest{points.size(), 0, hex(hash_of_points(points)), std::move(distrusted), learn_device_offsets(points)};
+MapManifest manifest_of(const std::vector<ReferencePoint>& points, std::vector<Bssid> distrusted, const std::vector<DeviceLevel>& devices) {
+  MapManifest manifest{points.size(), 0, hex(hash_of_points(points)), std::move(distrusted), offsets_of(devices)};
   for (const ReferencePoint& point : points) {
     for (const RssScan& scan : point.scans) manifest.readings += scan.readings.size();
   }
   return manifest;
+}
+
+double rounded_to_hundredths(double value) { return std::round(value * 100.0) / 100.0; }
+
+nlohmann::json json_of(const std::vector<DeviceLevel>& devices) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const DeviceLevel& device : devices) {
+    if (list.size() == kDevicesTold) break;
+    list.push_back({{"model", device.model},
+                    {"points", device.points},
+                    {"standing", name_of(device.standing)},
+                    {"offset_db", rounded_to_hundredths(device.offset_db)},
+                    {"places", device.places},
+                    {"transmitters", device.transmitters}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -64,12 +82,13 @@ Result<RadioMapRecord> MapVersions::stage(UnixTime now) {
   for (const AccessPointRecord& record : *access_points) {
     if (record.distrusted()) distrusted.push_back(record.bssid);
   }
-  const MapManifest manifest = manifest_of(*points, std::move(distrusted));
+  const std::vector<DeviceLevel> devices = learn_device_levels(*points);
+  const MapManifest manifest = manifest_of(*points, std::move(distrusted), devices);
   const nlohmann::json recipe{{"format", kFormat},
                               {"points", manifest.points},
                               {"readings", manifest.readings},
                               {"distrusted", manifest.distrusted.size()},
-                              {"device_offsets_db", manifest.device_offsets_db}};
+                              {"devices", json_of(devices)}};
   return database_.stage_map({building->survey_version, recipe.dump(), now, to_content(manifest)});
 }
 

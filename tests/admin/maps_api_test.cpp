@@ -20,6 +20,20 @@ class MapsApi : public testing::Test {
   std::string at;
 };
 
+TEST_F(MapsApi, AVersionSaysHowLoudThePhonesHearThatSurveyedIt) {
+  on_database([](BuildingDatabase& database) {
+    const std::string recipe = R"({"points":9,"devices":[{"model":"Pixel 8","points":6,"standing":"reference","offset_db":0.0,"places":0,)"
+                               R"("transmitters":0},{"model":"Nord","points":3,"standing":"learnt","offset_db":5.8,"places":12,"transmitters":31}]})";
+    EXPECT_TRUE(database.stage_map({0, recipe, {}, "content"}));
+  });
+  const json map = api.ask("GET", at + "/maps/1", api.admin).json();
+  ASSERT_EQ(map["devices"].size(), 2u);
+  EXPECT_EQ(map["devices"][1]["model"], "Nord");
+  EXPECT_EQ(map["devices"][1]["offset_db"], 5.8);
+  stage("built before models were told apart");
+  EXPECT_TRUE(api.ask("GET", at + "/maps/2", api.admin).json()["devices"].empty());
+}
+
 TEST_F(MapsApi, ListsVersionsAPageAtATimeWithTheirQuality) {
   const std::uint64_t one = stage("one"), two = stage("two");
   on_database([&](BuildingDatabase& database) {

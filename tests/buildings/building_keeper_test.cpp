@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/fixtures/scratch_folder.hpp"
 #include "tests/locating/plan.hpp"
 
@@ -125,6 +127,35 @@ TEST_F(KeptBuilding, TheSameSurveyIsTheSameVersionWithTheSameHash) {
     EXPECT_EQ(manifest->points, 5u);
     EXPECT_EQ(to_content(*manifest), database.map_content(first.version).value());
   });
+}
+
+TEST_F(KeptBuilding, AVersionSaysHowLoudItsPhonesHearAndIsMadeFromOneLevel) {
+  const auto survey_by = [&](const std::string& model, double louder_db, std::size_t scans) {
+    SurveyBatch batch{model, hall().survey(static_cast<int>(scans))};
+    for (ReferencePoint& point : batch.points) {
+      point.device_model = model;
+      for (RssScan& scan : point.scans) {
+        for (ScanReading& reading : scan.readings) reading.rss_dbm = std::round(reading.rss_dbm) + louder_db;
+      }
+    }
+    store->store(id, batch, [](Result<SurveyAck> ack) { EXPECT_TRUE(ack) << to_string(ack.fault()); });
+  };
+  survey_by("Alpha", 0.0, 2);
+  survey_by("Beta", 6.0, 2);
+  keeper->refresh(id);
+  on_database([&](BuildingDatabase& database) {
+    const std::string recipe = database.maps()->back().recipe;
+    EXPECT_THAT(recipe, HasSubstr(R"("model":"Beta")"));
+    EXPECT_THAT(recipe, HasSubstr(R"("standing":"learnt")"));
+  });
+  // The level of both is the first one's: where they stood together they say the same within what neighbours differ by.
+  std::map<std::string, double> sum_dbm;
+  for (const ReferencePoint& point : shelf.find(id)->site()->survey) {
+    for (const RssScan& scan : point.scans) {
+      for (const ScanReading& reading : scan.readings) sum_dbm[point.device_model] += reading.rss_dbm / 1000.0;
+    }
+  }
+  EXPECT_NEAR(sum_dbm["Alpha"], sum_dbm["Beta"], 0.02 * std::abs(sum_dbm["Alpha"]));
 }
 
 TEST_F(KeptBuilding, AWorseMapIsHeldBackAndAnotherOneTriedWithTheNextSurvey) {

@@ -117,6 +117,15 @@ std::shared_ptr<const Site> SessionReplay::site() const {
 
 std::span<const DoubtfulPoint> SessionReplay::doubts() const { return house_->shelf.find(house_->building)->doubts(); }
 
+std::vector<DeviceLevel> SessionReplay::devices() const {
+  std::vector<DeviceLevel> devices;
+  house_->store->with_building(house_->building, [&](Result<BuildingDatabase*> database) {
+    MapVersions versions(*database.value());
+    if (const auto live = versions.live().value()) devices = learn_device_levels(versions.material(*live).value().points);
+  });
+  return devices;
+}
+
 Result<void> SessionReplay::prepare(const std::string& pipeline) {
   const auto factory = house_->shelf.find(house_->building)->pipeline(pipeline);
   if (!factory) return factory.fault();

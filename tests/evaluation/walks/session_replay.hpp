@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/buildings/building_shelf.hpp"
+#include "server/buildings/device_offsets.hpp"
 #include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 
@@ -27,6 +28,8 @@ class SessionReplay final : public WalkReplay {
   std::shared_ptr<const Site> site() const;
   /// What the server's gate left out of its map.
   std::span<const DoubtfulPoint> doubts() const;
+  /// What the server's map in force says of the phones that surveyed.
+  std::vector<DeviceLevel> devices() const;
   /// Prepares a pipeline before the threads begin: kUnknownName lists those there are.
   Result<void> prepare(const std::string& pipeline);
   std::string_view path() const override { return "session"; }

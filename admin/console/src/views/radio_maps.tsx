@@ -10,6 +10,7 @@ import { MapComparison } from './map_comparison';
 import { PromoteDialog } from './promote_dialog';
 import { Publications } from './publications';
 import { QualityWalks } from './quality_walks';
+import { SurveyDevices } from './survey_devices';
 
 /// Radio maps as versions: build, measure, compare, promote, roll back.
 export function RadioMaps() {
@@ -24,6 +25,7 @@ export function RadioMaps() {
   const maps = [...(data?.items ?? [])].sort((a, b) => b.version - a.version);
   const live = maps.find((map) => map.live);
   const stale = live && building.survey_version > live.survey_version && !maps.some((map) => map.survey_version === building.survey_version);
+  const shown = maps.find((map) => map.version === compared) ?? live;
   const changed = () => { again(); reload(); setRound((n) => n + 1); };
   const build = () => run(async () => {
     const made = await ask<RadioMap>(base, { method: 'POST', body: {} });
@@ -48,6 +50,7 @@ export function RadioMaps() {
           : <Versions maps={maps} compared={compared} onCompare={setCompared} onPromote={setPromoting} />}
       </div>
       {maps.length > 0 && <MapComparison maps={maps} version={compared} round={round} />}
+      {shown && <SurveyDevices map={shown} />}
       <div class="pair">
         <QualityWalks onChange={changed} />
         <Publications round={round} />

@@ -15,6 +15,15 @@ export interface Quality {
   error_quantiles_m?: number[];      // 101 numbers, 0..100 % of all instants
 }
 
+export interface SurveyDevice {
+  model: string;
+  points: number;
+  standing: 'reference' | 'learnt' | 'agrees' | 'unknown';
+  offset_db: number;                 // louder than the reference, as found; taken out where learnt alone
+  places: number;
+  transmitters: number;
+}
+
 export interface RadioMap {
   version: number;
   live: boolean;
@@ -23,6 +32,7 @@ export interface RadioMap {
   sha256: string;
   bytes: number;
   points: number;
+  devices: SurveyDevice[];
   quality: Quality | null;
 }
 
