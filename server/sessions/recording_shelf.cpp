@@ -138,15 +138,29 @@ void RecordingShelf::sweep() {
   note_activity();
 }
 
+// An order in force that means this phone.
+bool RecordingShelf::wants(BuildingId building, const std::string& tracked) const {
+  const auto found = shelves_.find(building);
+  if (found == shelves_.end() || !on(found->second)) return false;
+  const Shelf& shelf = found->second;
+  const auto names = [&](const std::vector<std::string>& list) { return std::ranges::find(list, tracked) != list.end(); };
+  return !names(shelf.erased) && (shelf.order.tracked.empty() || names(shelf.order.tracked));
+}
+
+bool RecordingShelf::records(const RecordedSession* present, BuildingId building, const std::string& tracked) const {
+  const std::lock_guard lock(mutex_);
+  if (!wants(building, tracked)) return false;
+  if (present && !present->stopped && present->building == building) return true;
+  const Shelf& shelf = shelves_.at(building);
+  return shelf.writing < shelf.order.bytes / kSessionBytes;
+}
+
 std::shared_ptr<RecordedSession> RecordingShelf::tape_for(std::shared_ptr<RecordedSession> present, BuildingId building, const std::string& tracked,
                                                           const std::string& device_model, const std::string& app, std::uint64_t seed) {
   const std::lock_guard lock(mutex_);
-  const auto found = shelves_.find(building);
-  if (found == shelves_.end() || !on(found->second)) return nullptr;
-  Shelf& shelf = found->second;
-  const auto names = [&](const std::vector<std::string>& list) { return std::ranges::find(list, tracked) != list.end(); };
-  if (names(shelf.erased) || (!shelf.order.tracked.empty() && !names(shelf.order.tracked))) return nullptr;
+  if (!wants(building, tracked)) return nullptr;
   if (present && !present->stopped && present->building == building) return present;
+  Shelf& shelf = shelves_.at(building);
   if (shelf.writing >= shelf.order.bytes / kSessionBytes) {
     shelf.not_recorded.insert(tracked);
     return nullptr;

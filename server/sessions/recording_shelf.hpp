@@ -52,6 +52,8 @@ class RecordingShelf {
   /// What a session in that building writes on from here: `present` again, a new one, or null.
   std::shared_ptr<RecordedSession> tape_for(std::shared_ptr<RecordedSession> present, BuildingId building, const std::string& tracked,
                                             const std::string& device_model, const std::string& app, std::uint64_t seed);
+  /// Whether tape_for() would give one; changes nothing.
+  bool records(const RecordedSession* present, BuildingId building, const std::string& tracked) const;
   /// `session` was written to, so many bytes: what has no room any more goes.
   void grown(const RecordedSession& session, std::size_t bytes, bool new_piece);
   /// The building as it is described; the same object as long as nothing a tracker sees changes.
@@ -76,6 +78,7 @@ class RecordingShelf {
   void forget(RecordedSession& session);
   std::size_t maps_held(BuildingId building) const;
   bool on(const Shelf& shelf) const { return shelf.until && clock_.now() < *shelf.until; }
+  bool wants(BuildingId building, const std::string& tracked) const;
   void note_activity();
   RecordingState state_of(BuildingId building) const;
   RecordingSummary summary_of(const std::shared_ptr<RecordedSession>& session) const;

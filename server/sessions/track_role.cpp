@@ -26,6 +26,7 @@ class TrackRole final : public RoleConversation {
     welcome.applied_through = session_->applied_through();
     welcome.recovered = recovered_;
     if (building) welcome.pipeline = session_->pipeline();
+    welcome.is_recorded = told_recorded_ = session_->is_recorded();
     output_.send(welcome);
   }
 
@@ -45,6 +46,7 @@ class TrackRole final : public RoleConversation {
       show();
       welcome();
     }
+    tell_recording();
     output_.send(Ack{world_.sessions.epoch(), outcome.applied_through});
     overhear(*batch, outcome);
     say(outcome);
@@ -52,7 +54,8 @@ class TrackRole final : public RoleConversation {
   }
 
   void tick() override {
-    if (!session_->owned_by(generation_)) yield_to_newer();
+    if (!session_->owned_by(generation_)) return yield_to_newer();
+    tell_recording();
   }
 
   void goodbye() override {
@@ -68,6 +71,11 @@ class TrackRole final : public RoleConversation {
   }
 
  private:
+  // Whoever is recorded is told, and told when it ends [SAFETY C19].
+  void tell_recording() {
+    if (session_->is_recorded() != told_recorded_) welcome();
+  }
+
   void yield_to_newer() { output_.close({FaultCode::kConflict, "", "another connection resumed this session"}); }
 
   void show() {
@@ -157,6 +165,7 @@ class TrackRole final : public RoleConversation {
   std::optional<std::uint64_t> gap_said_after_;
   ScanWishes wishes_;
   std::optional<PhoneTime> overheard_;
+  bool told_recorded_ = false;
 };
 
 Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {

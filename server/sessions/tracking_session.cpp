@@ -206,6 +206,12 @@ void TrackingSession::find_tape() {
   request_.recordings->grown(*tape_, bytes, true);
 }
 
+bool TrackingSession::is_recorded() const {
+  if (!request_.recordings || request_.recordings->idle()) return false;
+  const std::lock_guard lock(mutex_);
+  return building_ && request_.recordings->records(tape_.get(), building_->record().id, tracked_);
+}
+
 void TrackingSession::write(TapeEntry entry) {
   if (tape_) written_ += tape_->tape.write(std::move(entry), request_.recordings->now());
 }

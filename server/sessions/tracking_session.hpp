@@ -94,6 +94,8 @@ class TrackingSession {
   std::uint64_t applied_through() const;
   std::shared_ptr<const Building> building() const;  ///< null = not resolved
   std::string pipeline() const;                      ///< in force; empty = not resolved
+  /// What it is fed is written down, or will be from its next batch on.
+  bool is_recorded() const;
   /// Why the newest position is where it is; a fault: why there is none. Changes nothing.
   Result<Explanation> explain() const;
 

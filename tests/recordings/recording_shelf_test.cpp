@@ -26,6 +26,37 @@ TEST_F(Recording, IsOffUntilItIsOrdered) {
   EXPECT_FALSE(desk->state(hall)->until);
 }
 
+TEST_F(Recording, ThePhoneIsToldThatItIsRecordedAndThatItIsNoMore) {
+  WalkingPhone phone(*this, "");
+  EXPECT_FALSE(phone.welcome->is_recorded);
+  phone.walk(2);
+  EXPECT_THAT(phone.caller->output.all<Welcome>(), IsEmpty()) << "nothing to tell";
+  record({.on_for = std::chrono::minutes(1), .tracked = {}});
+  phone.caller->conversation->tick();
+  EXPECT_TRUE(phone.caller->output.last<Welcome>().is_recorded) << "without waiting for a batch";
+  EXPECT_EQ(phone.caller->output.last<Welcome>().session, phone.welcome->session);
+  phone.walk(1);
+  EXPECT_THAT(phone.caller->output.all<Welcome>(), IsEmpty()) << "said once";
+  WalkingPhone later(*this, "");
+  EXPECT_TRUE(later.welcome->is_recorded) << "before it sends anything";
+  phone.connect();
+  EXPECT_TRUE(phone.welcome->is_recorded) << "again on a resume";
+  pass(std::chrono::seconds(61));
+  phone.walk(1);
+  EXPECT_FALSE(phone.caller->output.last<Welcome>().is_recorded);
+}
+
+TEST_F(Recording, OnlyWhomItRecordsIsTold) {
+  WalkingPhone phone(*this, ""), other(*this, "");
+  record({.on_for = std::chrono::hours(1), .tracked = {phone.welcome->tracked}});
+  phone.walk(1), other.walk(1);
+  EXPECT_TRUE(phone.caller->output.last<Welcome>().is_recorded);
+  EXPECT_THAT(other.caller->output.all<Welcome>(), IsEmpty());
+  ASSERT_TRUE(desk->erase_all(hall, phone.welcome->tracked));
+  phone.walk(1);
+  EXPECT_FALSE(phone.caller->output.last<Welcome>().is_recorded) << "what is erased is not begun again";
+}
+
 TEST_F(Recording, BeginsInTheMiddleOfAWalkAndEndsWithItsTime) {
   WalkingPhone phone(*this, "");
   phone.walk(5);

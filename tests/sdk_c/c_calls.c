@@ -49,6 +49,7 @@ const char *c_null_is_refused(void) {
   REQUIRE(wayfuse_phone_position_now(NULL, &position) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_next_scan(NULL, &advice) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_calibration(NULL, NULL) == WAYFUSE_NULL);
+  REQUIRE(wayfuse_phone_is_recorded(NULL, NULL) == WAYFUSE_NULL);
   REQUIRE(wayfuse_phone_scan_started(NULL) == WAYFUSE_NULL);
   REQUIRE(wayfuse_survey_begin_walk(NULL, text("w")) == WAYFUSE_NULL);
   REQUIRE(wayfuse_survey_mark(NULL, 0, 0, 0, 0, 0) == WAYFUSE_NULL);
@@ -114,6 +115,7 @@ const char *c_bad_input_is_named(const char *url) {
   wayfuse_phone *second = NULL;
   wayfuse_state state = WAYFUSE_ENDED;
   wayfuse_reading reading;
+  uint32_t is_recorded = 9;
   size_t waiting = 9;
   memset(&reading, 0, sizeof reading);
   wayfuse_options_init(&options, sizeof options);
@@ -140,6 +142,7 @@ const char *c_bad_input_is_named(const char *url) {
   wayfuse_scan_advice_init(&advice, sizeof advice);
   REQUIRE(wayfuse_phone_next_scan(phone, &advice) == WAYFUSE_OK);
   REQUIRE(!advice.possible && says(advice.why, "iOS"));
+  REQUIRE(wayfuse_phone_is_recorded(phone, &is_recorded) == WAYFUSE_OK && is_recorded == 0);
   memset(&calibration, 0, sizeof calibration);
   REQUIRE(wayfuse_phone_calibration(phone, &calibration) == WAYFUSE_BAD_INPUT); /* no init */
   wayfuse_calibration_init(&calibration, sizeof calibration);

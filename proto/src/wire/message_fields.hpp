@@ -154,6 +154,7 @@ void describe(V& v, S& welcome) {
   v.required("keep_alive_us", welcome.keep_alive, kDurationUs);
   v.required("sample_ring_us", welcome.sample_ring, kDurationUs);
   v.defaulted("token_expires_in_us", welcome.token_expires_in, kDurationUs);
+  v.defaulted("is_recorded", welcome.is_recorded, Flag{});
 }
 
 template <typename V, Of<Ack> S>

@@ -61,6 +61,7 @@ Phone::~Phone() {
 ClientEvents Phone::client_events() {
   ClientEvents told;
   told.welcomed = [this](const Welcome& welcome) {
+    is_recorded_ = welcome.is_recorded;
     const std::lock_guard lock(mutex_);
     position_.welcomed(welcome);
     motion_.expect(welcome.magnetic_field);

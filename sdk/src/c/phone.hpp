@@ -51,6 +51,7 @@ class Phone {
   Result<void> stop();
   Result<void> network_changed();
   ClientState state() const { return state_; }
+  bool is_recorded() const { return is_recorded_; }  ///< as the server said last
   bool on_own_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
 
   Result<void> feed(const MargSample& sample);
@@ -86,6 +87,7 @@ class Phone {
   NetworkLoop loop_;
   std::unique_ptr<Client> client_;
   std::atomic<ClientState> state_{ClientState::kIdle};
+  std::atomic<bool> is_recorded_{false};
   std::atomic<int> posted_{0};
   std::atomic<std::size_t> uploads_waiting_{0};
 

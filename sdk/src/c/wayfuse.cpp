@@ -183,6 +183,14 @@ wayfuse_status wayfuse_phone_state(wayfuse_phone* phone, wayfuse_state* state) {
   });
 }
 
+wayfuse_status wayfuse_phone_is_recorded(wayfuse_phone* phone, uint32_t* is_recorded) {
+  if (!is_recorded) return refuse(WAYFUSE_NULL, "is_recorded is NULL");
+  return with_phone(phone, [&](Phone& inner) {
+    *is_recorded = inner.is_recorded() ? 1 : 0;
+    return WAYFUSE_OK;
+  });
+}
+
 wayfuse_status wayfuse_phone_feed_motion(wayfuse_phone* phone, const wayfuse_marg_sample* samples, size_t count) {
   if (!samples && count > 0) return refuse(WAYFUSE_NULL, "samples is NULL");
   return with_phone(phone, [&](Phone& inner) {

@@ -330,6 +330,13 @@ JNIEXPORT jdoubleArray JNICALL Java_org_wayfuse_Phone_calibration(JNIEnv *env, j
   return kept;
 }
 
+JNIEXPORT jboolean JNICALL Java_org_wayfuse_Phone_isRecorded(JNIEnv *env, jclass self, jlong handle) {
+  uint32_t is_recorded = 0;
+  (void)self;
+  check(env, wayfuse_phone_is_recorded(of(handle)->phone, &is_recorded));
+  return is_recorded ? JNI_TRUE : JNI_FALSE;
+}
+
 JNIEXPORT jlong JNICALL Java_org_wayfuse_Phone_nextScan(JNIEnv *env, jclass self, jlong handle) {
   wayfuse_scan_advice advice;
   (void)self;

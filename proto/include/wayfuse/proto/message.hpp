@@ -173,6 +173,7 @@ struct Welcome {
   Duration keep_alive{0};          ///< the server pings this often
   Duration sample_ring{0};         ///< keep unacknowledged samples this long
   Duration token_expires_in{0};    ///< 0 = it does not
+  bool is_recorded = false;        ///< an operator has what this session sends written down, for a while
   bool operator==(const Welcome&) const = default;
 };
 

@@ -31,7 +31,7 @@ extern "C" {
 #endif
 
 /* Grows when a function or a field is added; 1 is the first. 2 added the calibration. */
-#define WAYFUSE_ABI_VERSION 2
+#define WAYFUSE_ABI_VERSION 3
 
 typedef enum wayfuse_status {
   WAYFUSE_OK = 0,
@@ -164,6 +164,9 @@ WAYFUSE_API wayfuse_status wayfuse_phone_destroy(wayfuse_phone* phone);
 WAYFUSE_API wayfuse_status wayfuse_phone_start(wayfuse_phone* phone);
 WAYFUSE_API wayfuse_status wayfuse_phone_stop(wayfuse_phone* phone);
 WAYFUSE_API wayfuse_status wayfuse_phone_state(wayfuse_phone* phone, wayfuse_state* state);
+/* 1 while an operator has what this phone sends written down: show it to whoever carries the phone. It changes with the server's
+   word, also in mid-session; 0 before the first. Since 3 */
+WAYFUSE_API wayfuse_status wayfuse_phone_is_recorded(wayfuse_phone* phone, uint32_t* is_recorded);
 /* The way to the network changed: reconnect now. */
 WAYFUSE_API wayfuse_status wayfuse_phone_network_changed(wayfuse_phone* phone);
 

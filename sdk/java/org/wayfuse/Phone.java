@@ -148,6 +148,11 @@ public final class Phone implements AutoCloseable {
     return calibration(open());
   }
 
+  /** Whether an operator has what this phone sends written down: show it to whoever carries the phone. May change in mid-session. */
+  public synchronized boolean isRecorded() {
+    return isRecorded(open());
+  }
+
   /** When to call WifiManager.startScan next (on the clock of {@link #nowUs}); -1 = no scan needed for now. */
   public synchronized long nextScanUs() {
     return nextScan(open());
@@ -190,6 +195,7 @@ public final class Phone implements AutoCloseable {
   private static native void feedGnss(long handle, long timeUs, double latitudeDeg, double longitudeDeg, double accuracyM);
   private static native Position positionNow(long handle);
   private static native double[] calibration(long handle);
+  private static native boolean isRecorded(long handle);
   private static native long nextScan(long handle);
   private static native void scanStarted(long handle);
 }
