@@ -67,23 +67,49 @@ std::string file_name(BuildingId id, const char* end) { return "building-" + std
 
 // ---------------------------------------------------------------- backup, verification, restore
 
-void back_up(DataRooms rooms, BuildingId id, const Request&, Respond respond) {
-  rooms.databases.with_building(id, [rooms, id, respond](Result<BuildingDatabase*> database) {
+constexpr std::size_t kFindingBytes = 1024;
+
+// Writes down what was done to a building, then answers. A disk that does not take the note keeps nobody from his backup.
+void note_and_answer(DataRooms rooms, BuildingDatabase& database, UpkeepRecord record, Response response, Respond respond) {
+  if (const auto building = database.building()) record.survey_version = building->survey_version;
+  record.at = rooms.clock.wall_now();
+  record.finding.resize(std::min(record.finding.size(), kFindingBytes));
+  const auto answer = std::make_shared<Response>(std::move(response));
+  rooms.databases.note_upkeep(std::move(record), [answer, respond](Result<void>) { respond(std::move(*answer)); });
+}
+
+void back_up(DataRooms rooms, BuildingId id, const Request& request, Respond respond) {
+  rooms.databases.with_building(id, [rooms, id, key = request.key_id, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
     const std::filesystem::path file = rooms.databases.passing_file();
     if (const auto copied = (*database)->back_up_to(file); !copied) return respond(problem(copied.fault()));
+    std::error_code ignored;
+    const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
     Response response = attachment("application/vnd.sqlite3", file_name(id, ".sqlite"));
     response.stream = PassingFile::opened(file);
     if (!response.stream) return respond(problem({FaultCode::kStorageFailed, "backup", "the copy cannot be read"}));
-    respond(std::move(response));
+    note_and_answer(rooms, **database, {.building = id, .kind = UpkeepRecord::Kind::kBackup, .key_id = key, .bytes = bytes}, std::move(response), respond);
   });
 }
 
-void verify(DataRooms rooms, BuildingId id, const Request&, Respond respond) {
-  rooms.databases.with_building(id, [respond](Result<BuildingDatabase*> database) {
+void verify(DataRooms rooms, BuildingId id, const Request& request, Respond respond) {
+  rooms.databases.with_building(id, [rooms, id, key = request.key_id, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
     const auto report = (*database)->verify();
-    respond(report ? json_response(200, to_json(*report)) : problem(report.fault()));
+    if (!report) return respond(problem(report.fault()));
+    const std::string finding = report->wrong.empty() ? std::string() : report->wrong.front();
+    note_and_answer(rooms, **database, {.building = id, .kind = UpkeepRecord::Kind::kVerification, .key_id = key, .finding = finding},
+                    json_response(200, to_json(*report)), respond);
+  });
+}
+
+void show_backups(DataRooms rooms, BuildingId id, const Request&, Respond respond) {
+  const auto records = rooms.databases.upkeep(id);
+  if (!records) return respond(problem(records.fault()));
+  rooms.databases.with_building(id, [records = *records, respond](Result<BuildingDatabase*> database) {
+    if (!database) return respond(problem(database.fault()));
+    const auto building = (*database)->building();
+    respond(building ? json_response(200, to_json(records, building->survey_version)) : problem(building.fault()));
   });
 }
 
@@ -236,6 +262,7 @@ void add_data_routes(Router& router, DatabaseDirectory& databases, ServerControl
   const DataRooms rooms{databases, server, zones, webhooks, clock};
   router.add({"GET", "/v1/buildings/{building}/backup", Scope::kAdmin, "The building's database, consistent, as one SQLite file", on_data(rooms, back_up)});
   router.add({"GET", "/v1/buildings/{building}/verification", Scope::kAdmin, "Read everything and hold it against its hashes", on_data(rooms, verify)});
+  router.add({"GET", "/v1/buildings/{building}/backups", Scope::kAdmin, "When it was backed up and verified, and what that gave", on_data(rooms, show_backups)});
   router.add({"GET", "/v1/buildings/{building}/export.zip", Scope::kAdmin, "Everything an operator put in, as CSV, GeoJSON and JSON",
               on_data(rooms, export_all)});
   router.add({"DELETE", "/v1/buildings/{building}/points", Scope::kAdmin, "Erase reference points that fit the query", on_data(rooms, erase_points)});

@@ -22,6 +22,22 @@ std::string to_json(const VerifyReport& report) {
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string to_json(const std::vector<UpkeepRecord>& records, std::uint64_t survey_version) {
+  Json json{{"survey_version", survey_version}, {"backups", Json::array()}, {"verifications", Json::array()}};
+  for (const UpkeepRecord& record : records) {
+    Json entry{{"at_us", record.at.time_since_epoch().count()}, {"by_key", record.key_id}, {"survey_version", record.survey_version}};
+    if (record.kind == UpkeepRecord::Kind::kBackup) {
+      entry["bytes"] = record.bytes;
+      json["backups"].push_back(std::move(entry));
+    } else {
+      entry["sound"] = record.finding.empty();
+      entry["finding"] = record.finding.empty() ? Json(nullptr) : Json(record.finding);
+      json["verifications"].push_back(std::move(entry));
+    }
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string to_json(const Erasure& erasure) {
   return Json{{"erased", erasure.points}, {"log_emptied", erasure.log_emptied}, {"radio_maps_built_before", erasure.radio_maps}}.dump();
 }

@@ -6,6 +6,7 @@
 
 #include "db/audit_record.hpp"
 #include "db/building_database.hpp"
+#include "db/upkeep_record.hpp"
 
 /// The JSON of what is done with data as a whole.
 namespace wayfuse {
@@ -18,6 +19,8 @@ struct Erasure {
 
 std::string to_json(const VerifyReport& report);
 std::string to_json(const Erasure& erasure);
+/// `records` newest first; `survey_version` as the building stands now.
+std::string to_json(const std::vector<UpkeepRecord>& records, std::uint64_t survey_version);
 std::string to_json(const std::vector<AuditRecord>& lines, std::uint64_t next);
 
 }  // namespace wayfuse

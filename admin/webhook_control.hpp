@@ -30,6 +30,18 @@ struct DeadLetter {
   std::string failure;                   ///< of the last attempt
 };
 
+/// One try at posting an event. In memory only [SAFETY C19]: which event, not what it said.
+struct WebhookAttempt {
+  enum class Outcome { kDelivered, kWaits, kDead };
+  std::string event_id;
+  UnixTime at;                           ///< when it was sent
+  unsigned attempt = 0;                  ///< 1 = the first for this event since it was queued
+  int status = 0;                        ///< HTTP status; 0 = there was no answer
+  Duration took{0};
+  Outcome outcome = Outcome::kDelivered;
+  std::string failure;                   ///< empty = delivered
+};
+
 /// The window on a running server's webhooks. Thread: any.
 class WebhookControl {
  public:
@@ -40,8 +52,9 @@ class WebhookControl {
   virtual void webhooks_changed(BuildingId building) = 0;
   virtual WebhookState state(BuildingId building, std::uint64_t webhook) const = 0;
   virtual std::vector<DeadLetter> dead_letters(BuildingId building, std::uint64_t webhook) const = 0;   ///< oldest first
-  /// Queues them anew; answers how many.
-  virtual std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook) = 0;
+  /// Queues them anew, or the one of `event`, where not empty; answers how many.
+  virtual std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook, const std::string& event) = 0;
+  virtual std::vector<WebhookAttempt> attempts(BuildingId building, std::uint64_t webhook) const = 0;   ///< newest first
 };
 
 }  // namespace wayfuse

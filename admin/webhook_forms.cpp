@@ -67,6 +67,29 @@ std::string to_json(const std::vector<std::pair<WebhookRecord, WebhookState>>& w
   return json.dump();
 }
 
+std::string to_json(const std::vector<WebhookAttempt>& attempts) {
+  const auto spelled = [](WebhookAttempt::Outcome outcome) {
+    switch (outcome) {
+      case WebhookAttempt::Outcome::kDelivered: return "delivered";
+      case WebhookAttempt::Outcome::kWaits: return "waits";
+      case WebhookAttempt::Outcome::kDead: break;
+    }
+    return "dead";
+  };
+  Json json;
+  json["deliveries"] = Json::array();
+  for (const WebhookAttempt& attempt : attempts) {
+    json["deliveries"].push_back({{"event", attempt.event_id},
+                                  {"at_us", attempt.at.time_since_epoch().count()},
+                                  {"attempt", attempt.attempt},
+                                  {"status", attempt.status == 0 ? Json(nullptr) : Json(attempt.status)},
+                                  {"took_us", attempt.took.count()},
+                                  {"outcome", spelled(attempt.outcome)},
+                                  {"failure", attempt.failure.empty() ? Json(nullptr) : Json(attempt.failure)}});
+  }
+  return json.dump();
+}
+
 std::string to_json(const std::vector<DeadLetter>& letters) {
   Json json;
   json["dead_letters"] = Json::array();

@@ -16,5 +16,6 @@ Result<WebhookRecord> parse_webhook(std::string_view json);
 std::string to_json(const WebhookRecord& webhook, const WebhookState& state, bool with_secret);
 std::string to_json(const std::vector<std::pair<WebhookRecord, WebhookState>>& webhooks, std::uint64_t next);
 std::string to_json(const std::vector<DeadLetter>& letters);
+std::string to_json(const std::vector<WebhookAttempt>& attempts);
 
 }  // namespace wayfuse

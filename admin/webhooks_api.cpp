@@ -120,12 +120,26 @@ void show_dead_letters(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_
   });
 }
 
-void retry_dead_letters(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id, const Request&, Respond respond) {
+void show_deliveries(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id, const Request&, Respond respond) {
   rooms.databases.with_building(id, [rooms, id, webhook_id, respond](Result<BuildingDatabase*> database) {
     if (!database) return respond(problem(database.fault()));
     const auto webhook = webhook_in(**database, webhook_id);
+    respond(webhook ? json_response(200, to_json(rooms.webhooks.attempts(id, webhook_id))) : problem(webhook.fault()));
+  });
+}
+
+void retry_dead_letters(WebhookRooms rooms, BuildingId id, std::uint64_t webhook_id, const Request& request, Respond respond) {
+  const auto named = request.query.find("event");
+  const std::string event = named != request.query.end() ? named->second : std::string();
+  rooms.databases.with_building(id, [rooms, id, webhook_id, event, respond](Result<BuildingDatabase*> database) {
+    if (!database) return respond(problem(database.fault()));
+    const auto webhook = webhook_in(**database, webhook_id);
     if (!webhook) return respond(problem(webhook.fault()));
-    respond(json_response(202, R"({"retried":)" + std::to_string(rooms.webhooks.retry_dead_letters(id, webhook_id)) + "}"));
+    const std::uint64_t retried = rooms.webhooks.retry_dead_letters(id, webhook_id, event);
+    if (!event.empty() && retried == 0) {
+      return respond(problem({FaultCode::kNotFound, "event", "'" + event + "' is no dead letter of this webhook, or too many events wait already"}));
+    }
+    respond(json_response(202, R"({"retried":)" + std::to_string(retried) + "}"));
   });
 }
 
@@ -157,6 +171,7 @@ void add_webhook_routes(Router& router, DatabaseDirectory& databases, WebhookCon
               })});
   router.add({"GET", one, Scope::kAdmin, "One webhook", on_webhook(rooms, show_webhook)});
   router.add({"PUT", one, Scope::kAdmin, "Replace a webhook's target, zones and switch", on_webhook(rooms, replace_webhook)});
+  router.add({"GET", one + "/deliveries", Scope::kAdmin, "The newest attempts at delivering, and what came of each", on_webhook(rooms, show_deliveries)});
   router.add({"GET", one + "/dead-letters", Scope::kAdmin, "Events that could not be delivered", on_webhook(rooms, show_dead_letters)});
   router.add({"POST", one + "/dead-letters/retry", Scope::kAdmin, "Try them again", on_webhook(rooms, retry_dead_letters)});
   router.add({"DELETE", one, Scope::kAdmin, "Remove a webhook", on_webhook(rooms, remove_webhook)});

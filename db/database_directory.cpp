@@ -105,6 +105,13 @@ class DirectoryOnDisk final : public DatabaseDirectory {
     return on_writer<std::uint64_t>([&] { return server_.forget_audit(before); });
   }
 
+  void note_upkeep(UpkeepRecord record, std::function<void(Result<void>)> done) override {
+    if (!queue_.post(std::nullopt, [this, record, done] { done(server_.note_upkeep(record)); })) done(closed());
+  }
+  Result<std::vector<UpkeepRecord>> upkeep(BuildingId building) override {
+    return on_writer<std::vector<UpkeepRecord>>([&] { return server_.upkeep(building); });
+  }
+
   void note_answered(std::string name, std::optional<AnsweredPost> record, UnixTime oldest, std::function<void(Result<void>)> done) override {
     const auto change = std::make_shared<AnsweredPostChange>(AnsweredPostChange{std::move(name), std::move(record)});
     if (!queue_.post(std::nullopt, [this, change, oldest, done] { done(server_.note_answered({*change}, oldest)); })) done(closed());

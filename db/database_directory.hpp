@@ -8,6 +8,7 @@
 
 #include "db/answered_post.hpp"
 #include "db/audit_record.hpp"
+#include "db/upkeep_record.hpp"
 #include "db/building_database.hpp"
 
 namespace wayfuse {
@@ -82,6 +83,10 @@ class DatabaseDirectory {
   virtual Result<std::vector<AuditRecord>> audited(const AuditQuery& query) = 0;
   /// Retention: forgets older lines, answers how many.
   virtual Result<std::uint64_t> forget_audit(UnixTime before) = 0;
+
+  /// Writes down that a building was backed up or verified; of each the newest 100 stay. `done` runs once it is durable.
+  virtual void note_upkeep(UpkeepRecord record, std::function<void(Result<void>)> done) = 0;
+  virtual Result<std::vector<UpkeepRecord>> upkeep(BuildingId building) = 0;   ///< newest first
 
   /// Writes down a POST that is to happen once, replacing what was known of it; without a record it is forgotten. In order; what began
   /// before `oldest` goes. `done` runs once it is durable.

@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include "db/audit_log.hpp"
+#include "db/upkeep_table.hpp"
 
 namespace wayfuse {
 namespace {
@@ -136,6 +137,14 @@ Result<std::vector<AuditRecord>> ServerDatabase::audited(const AuditQuery& query
 
 Result<std::uint64_t> ServerDatabase::forget_audit(UnixTime before) {
   return run([&](SqliteConnection& connection) { return wayfuse::forget_audit(connection, before); });
+}
+
+Result<void> ServerDatabase::note_upkeep(const UpkeepRecord& record) {
+  return run([&](SqliteConnection& connection) { write_upkeep(connection, record); });
+}
+
+Result<std::vector<UpkeepRecord>> ServerDatabase::upkeep(BuildingId building) {
+  return run([&](SqliteConnection& connection) { return read_upkeep(connection, building); });
 }
 
 Result<void> ServerDatabase::note_answered(const std::vector<AnsweredPostChange>& changes, UnixTime oldest) {

@@ -7,6 +7,7 @@
 
 #include "db/answered_post_table.hpp"
 #include "db/audit_record.hpp"
+#include "db/upkeep_record.hpp"
 #include "db/database_directory.hpp"
 #include "db/file_lock.hpp"
 #include "db/schema.hpp"
@@ -30,6 +31,8 @@ class ServerDatabase {
   Result<void> audit(const std::vector<AuditRecord>& records);
   Result<std::vector<AuditRecord>> audited(const AuditQuery& query);
   Result<std::uint64_t> forget_audit(UnixTime before);
+  Result<void> note_upkeep(const UpkeepRecord& record);
+  Result<std::vector<UpkeepRecord>> upkeep(BuildingId building);
   Result<void> note_answered(const std::vector<AnsweredPostChange>& changes, UnixTime oldest);
   Result<std::vector<AnsweredPost>> answered_posts();
 

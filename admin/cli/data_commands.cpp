@@ -1,3 +1,4 @@
+#include <ctime>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -5,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "admin/cli/program.hpp"
+#include "admin/cli/table.hpp"
 
 namespace wayfuse::cli {
 namespace {
@@ -40,6 +42,45 @@ int verify(const Program& program) {
   return report.is_object() && report.value("sound", false) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+std::string utc(const nlohmann::json& at_us) {
+  const std::time_t seconds = at_us.get<std::int64_t>() / 1'000'000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &parts);
+  return text;
+}
+
+// Backups and verifications in one table, newest first of each, and how far the newest backup is behind.
+int show_backups(const Program& program) {
+  const auto reply = exchange(program.connection, "GET", building_path(program, "/backups"));
+  if (!reply) {
+    std::cerr << "wayfuse: " << reply.fault().cause << "\n";
+    return EXIT_FAILURE;
+  }
+  if (reply->status >= 400) return refused(*reply);
+  const auto json = nlohmann::json::parse(reply->body, nullptr, false);
+  if (program.json || !json.is_object()) {
+    std::cout << reply->body << "\n";
+    return EXIT_SUCCESS;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& one : json["backups"]) {
+    rows.push_back({"backup", utc(one["at_us"]), "key " + one["by_key"].dump(), one["survey_version"].dump(), one["bytes"].dump() + " bytes"});
+  }
+  for (const auto& one : json["verifications"]) {
+    rows.push_back({"verified", utc(one["at_us"]), "key " + one["by_key"].dump(), one["survey_version"].dump(),
+                    one["sound"].get<bool>() ? "sound" : one["finding"].get<std::string>()});
+  }
+  std::cout << table({"what", "when", "by", "survey", "result"}, rows);
+  if (json["backups"].empty()) {
+    std::cout << "never backed up\n";
+  } else if (json["backups"][0]["survey_version"] != json["survey_version"]) {
+    std::cout << "the survey is at " << json["survey_version"] << " now: the newest backup lacks what was uploaded since\n";
+  }
+  return EXIT_SUCCESS;
+}
+
 }  // namespace
 
 void add_data_commands(CLI::App& app, Program& program) {
@@ -56,6 +97,9 @@ void add_data_commands(CLI::App& app, Program& program) {
   restore->callback([&] {
     program.call = {"POST", "/v1/restore", content_of(program.file), "", {}, false, "application/vnd.sqlite3"};
   });
+  auto* backups = app.add_subcommand("backups", "When a building was backed up and verified, and what that gave");
+  backups->add_option("BUILDING", program.building)->required();
+  backups->callback([&] { program.run = [&program] { return show_backups(program); }; });
   auto* verifying = app.add_subcommand("verify", "Read a building's whole database and hold it against its hashes");
   verifying->add_option("BUILDING", program.building)->required();
   verifying->callback([&] { program.run = [&program] { return verify(program); }; });

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -108,7 +109,28 @@ bool examine_reach(const Connection& connection, Diagnoses& found) {
   return true;
 }
 
-void examine_buildings(const std::string& body, Diagnoses& found) {
+// A building whose newest backup is old, or behind its survey by a while, is one disk away from being gone.
+void examine_backups(const Connection& connection, const Json& building, Diagnoses& found) {
+  constexpr std::int64_t kOld_us = std::int64_t{30} * 86'400 * 1'000'000;
+  const std::string id = building.contains("id") ? building["id"].dump() : std::string();
+  const auto reply = exchange(connection, "GET", "/v1/buildings/" + id + "/backups");
+  if (!reply || reply->status != 200) return;  // an older server does not say
+  const Json parsed = Json::parse(reply->body, nullptr, false);
+  if (!parsed.is_object() || !parsed.contains("backups") || parsed.value("survey_version", 0) == 0) return;
+  const std::string name = building.value("name", "?"), mend = "wayfuse backup " + id + " FILE, kept on another machine";
+  const std::int64_t now_us = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (parsed["backups"].empty()) {
+    found.push_back({"backups", "warning", name + " was never backed up", mend});
+  } else if (now_us - parsed["backups"][0].value("at_us", now_us) > kOld_us) {
+    found.push_back({"backups", "warning", name + " was last backed up more than 30 days ago", mend});
+  }
+  if (!parsed["verifications"].empty() && !parsed["verifications"][0].value("sound", true)) {
+    found.push_back({"backups", "error", name + ": the newest verification found: " + parsed["verifications"][0].value("finding", "?"),
+                     "restore the newest sound backup: wayfuse building remove, then wayfuse restore FILE"});
+  }
+}
+
+void examine_buildings(const Connection& connection, const std::string& body, Diagnoses& found) {
   const Json parsed = Json::parse(body, nullptr, false);
   if (!parsed.is_object()) return;
   const Json& list = parsed.contains("buildings") ? parsed["buildings"] : parsed.contains("items") ? parsed["items"] : Json::array();
@@ -117,6 +139,7 @@ void examine_buildings(const std::string& body, Diagnoses& found) {
     const std::string name = building.value("name", "?");
     if (building.value("survey_version", 1) == 0)
       found.push_back({"buildings", "warning", name + " has no survey: phones get no position there", "survey it, or wayfuse survey upload"});
+    examine_backups(connection, building, found);
   }
   if (!list.empty()) found.push_back({"buildings", "good", std::to_string(list.size()) + " buildings", ""});
 }
@@ -130,7 +153,7 @@ void examine_key(const Connection& connection, Diagnoses& found) {
   if (!admin) return;
   if (admin->status == 200) {
     found.push_back({"key", "good", "may administer", ""});
-    return examine_buildings(admin->body, found);
+    return examine_buildings(connection, admin->body, found);
   }
   if (admin->status == 401) {
     found.push_back({"key", "error", "the key is not known, revoked or expired", "wayfuse key list with an admin key says which; wayfuse key create makes another"});

@@ -153,7 +153,16 @@ void add_webhook_commands(CLI::App& app, Program& program) {
   dead->callback([&, path] { program.call = {"GET", path() + "/dead-letters", "", "dead_letters", {"event", "at_us", "attempts", "failure"}}; });
   auto* retry = webhook->add_subcommand("retry", "Try the dead ones again");
   one(retry);
-  retry->callback([&, path] { program.call = {"POST", path() + "/dead-letters/retry", "", "", {}}; });
+  auto event = std::make_shared<std::string>();
+  retry->add_option("--event", *event, "Only the one of this event");
+  retry->callback([&, path, event] {
+    program.call = {"POST", path() + "/dead-letters/retry" + (event->empty() ? "" : "?event=" + escaped(*event)), "", "", {}};
+  });
+  auto* deliveries = webhook->add_subcommand("deliveries", "The newest attempts at delivering, and what came of each");
+  one(deliveries);
+  deliveries->callback([&, path] {
+    program.call = {"GET", path() + "/deliveries", "", "deliveries", {"at_us", "event", "attempt", "status", "took_us", "outcome", "failure"}};
+  });
 }
 
 }  // namespace wayfuse::cli

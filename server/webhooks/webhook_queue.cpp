@@ -34,7 +34,7 @@ void WebhookQueue::offer(const NumberedZoneEvent& event, ServerTime now) {
   for (auto& [key, lane] : lanes_) {
     if (key.first != event.building || !wants(lane.record, event)) continue;
     make_room(lane);
-    lane.waiting.push_back({key.first, key.second, lane.record.url, lane.record.secret, event.event.id, event.event.at, body_of(event), 0, now});
+    lane.waiting.push_back({key.first, key.second, lane.record.url, lane.record.secret, event.event.id, event.event.at, body_of(event), 0, now, {}, {}, 0});
   }
 }
 
@@ -57,6 +57,7 @@ void WebhookQueue::done(const WebhookDelivery& delivery) {
   if (lane == lanes_.end()) return;
   lane->second.under_way = false;
   lane->second.counts.delivered++;
+  note(lane->second, delivery, WebhookAttempt::Outcome::kDelivered, {});
 }
 
 void WebhookQueue::failed(WebhookDelivery delivery, std::string failure, bool final, ServerTime now) {
@@ -66,7 +67,9 @@ void WebhookQueue::failed(WebhookDelivery delivery, std::string failure, bool fi
   lane.under_way = false;
   lane.counts.failed_attempts++;
   lane.counts.last_failure = failure;
-  if (final || delivery.attempts >= settings_.attempts) return bury(lane, std::move(delivery), std::move(failure));
+  const bool over = final || delivery.attempts >= settings_.attempts;
+  note(lane, delivery, over ? WebhookAttempt::Outcome::kDead : WebhookAttempt::Outcome::kWaits, failure);
+  if (over) return bury(lane, std::move(delivery), std::move(failure));
   const double doubled = std::ldexp(seconds(settings_.first_wait), static_cast<int>(delivery.attempts) - 1);
   const double wait_s = std::min(doubled, seconds(settings_.longest_wait)) * (0.5 + 0.5 * random_.uniform());
   delivery.due = now + from_seconds(wait_s);
@@ -89,6 +92,17 @@ void WebhookQueue::make_room(Lane& lane) {
     lane.waiting.pop_front();
     bury(lane, std::move(oldest), "more than " + std::to_string(settings_.waiting_most) + " events were waiting");
   }
+}
+
+void WebhookQueue::note(Lane& lane, const WebhookDelivery& delivery, WebhookAttempt::Outcome outcome, const std::string& failure) const {
+  if (lane.attempts.size() >= settings_.attempts_most) lane.attempts.pop_front();
+  lane.attempts.push_back({delivery.id, delivery.sent_at, delivery.attempts, delivery.status, delivery.took, outcome, failure});
+}
+
+std::vector<WebhookAttempt> WebhookQueue::attempts(BuildingId building, std::uint64_t webhook) const {
+  const Lane* found = lane(building, webhook);
+  if (!found) return {};
+  return {found->attempts.rbegin(), found->attempts.rend()};
 }
 
 void WebhookQueue::bury(Lane& lane, WebhookDelivery delivery, std::string failure) {
@@ -123,20 +137,26 @@ std::vector<DeadLetter> WebhookQueue::dead_letters(BuildingId building, std::uin
   return letters;
 }
 
-std::uint64_t WebhookQueue::retry_dead_letters(BuildingId building, std::uint64_t webhook, ServerTime now) {
+std::uint64_t WebhookQueue::retry_dead_letters(BuildingId building, std::uint64_t webhook, const std::string& event, ServerTime now) {
   const auto found = lanes_.find({building, webhook});
   if (found == lanes_.end()) return 0;
   Lane& lane = found->second;
+  std::deque<Dead> stay;
   std::uint64_t count = 0;
-  while (!lane.dead.empty() && lane.waiting.size() < settings_.waiting_most) {
-    WebhookDelivery delivery = std::move(lane.dead.front().delivery);
-    lane.dead.pop_front();
+  for (Dead& dead : lane.dead) {
+    const bool wanted = event.empty() || dead.delivery.id == event;
+    if (!wanted || lane.waiting.size() >= settings_.waiting_most) {
+      stay.push_back(std::move(dead));
+      continue;
+    }
+    WebhookDelivery delivery = std::move(dead.delivery);
     delivery.attempts = 0;
     delivery.due = now;
     delivery.url = lane.record.url;
     lane.waiting.push_back(std::move(delivery));
     ++count;
   }
+  lane.dead = std::move(stay);
   return count;
 }
 

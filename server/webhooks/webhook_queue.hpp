@@ -20,6 +20,7 @@ struct WebhookSettings {
   Duration longest_wait = std::chrono::minutes(5);
   std::size_t waiting_most = 1000;                   ///< events of one webhook; the oldest becomes a dead letter
   std::size_t dead_most = 1000;                      ///< dead letters of one webhook; the oldest is dropped
+  std::size_t attempts_most = 200;                   ///< newest attempts of one webhook that are told of
 };
 
 /// One event for one webhook.
@@ -33,6 +34,9 @@ struct WebhookDelivery {
   std::string body;
   unsigned attempts = 0;                             ///< made so far
   ServerTime due;
+  UnixTime sent_at;                                  ///< of the attempt under way
+  Duration took{0};                                  ///< it took, once it is over
+  int status = 0;                                    ///< it was answered; 0 = it was not
 };
 
 /// What waits to be delivered, and when it is tried again. Bounded, in memory only.
@@ -56,7 +60,9 @@ class WebhookQueue {
 
   WebhookState state(BuildingId building, std::uint64_t webhook) const;
   std::vector<DeadLetter> dead_letters(BuildingId building, std::uint64_t webhook) const;
-  std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook, ServerTime now);
+  /// All of them, or the one of `event` where it is not empty.
+  std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook, const std::string& event, ServerTime now);
+  std::vector<WebhookAttempt> attempts(BuildingId building, std::uint64_t webhook) const;
   WebhookState total() const;
 
  private:
@@ -69,9 +75,11 @@ class WebhookQueue {
     std::deque<WebhookDelivery> waiting;
     bool under_way = false;
     std::deque<Dead> dead;
+    std::deque<WebhookAttempt> attempts;  // oldest first
     WebhookState counts;
   };
   using Key = std::pair<BuildingId, std::uint64_t>;
+  void note(Lane& lane, const WebhookDelivery& delivery, WebhookAttempt::Outcome outcome, const std::string& failure) const;
   void bury(Lane& lane, WebhookDelivery delivery, std::string failure);
   void make_room(Lane& lane);
   static WebhookState state_of(const Lane& lane);

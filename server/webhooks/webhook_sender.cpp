@@ -54,6 +54,7 @@ class WebhookSender::Transfers {
   void begin(WebhookDelivery delivery, UnixTime now) {
     auto one = std::make_unique<One>();
     one->delivery = std::move(delivery);
+    one->delivery.sent_at = now;
     one->private_targets = private_targets_;
     CURL* easy = one->easy.get();
     const std::string timestamp = std::to_string(now.time_since_epoch().count() / 1'000'000);
@@ -130,9 +131,13 @@ class WebhookSender::Transfers {
   }
 
   static Finished outcome(One& one, CURLcode result) {
-    Finished finished{std::move(one.delivery), {}, false};
     long status = 0;
+    curl_off_t took_us = 0;
     curl_easy_getinfo(one.easy.get(), CURLINFO_RESPONSE_CODE, &status);
+    curl_easy_getinfo(one.easy.get(), CURLINFO_TOTAL_TIME_T, &took_us);
+    one.delivery.status = static_cast<int>(status);
+    one.delivery.took = Duration(took_us);
+    Finished finished{std::move(one.delivery), {}, false};
     if (one.led_inside) {
       finished.failure = "the name leads into a private network";
     } else if (result != CURLE_OK && !(result == CURLE_WRITE_ERROR && one.answered > kAnswerMost)) {
@@ -236,11 +241,16 @@ std::vector<DeadLetter> WebhookSender::dead_letters(BuildingId building, std::ui
   return queue_.dead_letters(building, webhook);
 }
 
-std::uint64_t WebhookSender::retry_dead_letters(BuildingId building, std::uint64_t webhook) {
+std::vector<WebhookAttempt> WebhookSender::attempts(BuildingId building, std::uint64_t webhook) const {
+  const std::lock_guard lock(mutex_);
+  return queue_.attempts(building, webhook);
+}
+
+std::uint64_t WebhookSender::retry_dead_letters(BuildingId building, std::uint64_t webhook, const std::string& event) {
   std::uint64_t count = 0;
   {
     const std::lock_guard lock(mutex_);
-    count = queue_.retry_dead_letters(building, webhook, clock_.now());
+    count = queue_.retry_dead_letters(building, webhook, event, clock_.now());
   }
   wake();
   return count;

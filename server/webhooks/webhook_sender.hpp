@@ -36,7 +36,8 @@ class WebhookSender final : public WebhookControl {
   void webhooks_changed(BuildingId building) override;
   WebhookState state(BuildingId building, std::uint64_t webhook) const override;
   std::vector<DeadLetter> dead_letters(BuildingId building, std::uint64_t webhook) const override;
-  std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook) override;
+  std::uint64_t retry_dead_letters(BuildingId building, std::uint64_t webhook, const std::string& event) override;
+  std::vector<WebhookAttempt> attempts(BuildingId building, std::uint64_t webhook) const override;
 
  private:
   class Transfers;

@@ -61,6 +61,14 @@ TEST_F(DataApi, RestoresARemovedBuildingFromItsBackup) {
   EXPECT_EQ(api.ask("GET", "/v1/buildings/1", api.admin).json(), before);
   EXPECT_EQ(api.ask("GET", "/v1/buildings/1/zones", api.admin).json()["zones"].size(), 1u);
   const json report = api.ask("GET", "/v1/buildings/1/verification", api.admin).json();
+  const json kept = api.ask("GET", "/v1/buildings/1/backups", api.admin).json();
+  ASSERT_EQ(kept["backups"].size(), 1u);
+  EXPECT_EQ(kept["backups"][0]["bytes"], file.size());
+  EXPECT_EQ(kept["backups"][0]["survey_version"], kept["survey_version"]);
+  ASSERT_EQ(kept["verifications"].size(), 1u);
+  EXPECT_EQ(kept["verifications"][0]["sound"], true);
+  EXPECT_TRUE(kept["verifications"][0]["finding"].is_null());
+  EXPECT_EQ(api.ask("GET", "/v1/buildings/9/backups", api.admin).status, 404);
   EXPECT_EQ(report["sound"], true);
   EXPECT_EQ(report["points"], 2);
 }
@@ -229,6 +237,9 @@ TEST_F(DataApi, ShowsAWebhooksSecretOnce) {
   EXPECT_EQ(api.ask("POST", "/v1/buildings/1/webhooks", api.admin, R"({"url":"http://example.org/"})").json()["field"], "url");
   EXPECT_EQ(api.ask("GET", "/v1/buildings/1/webhooks/1/dead-letters", api.admin).json()["dead_letters"], json::array());
   EXPECT_EQ(api.ask("POST", "/v1/buildings/1/webhooks/1/dead-letters/retry", api.admin).json()["retried"], 0);
+  EXPECT_EQ(api.ask("POST", "/v1/buildings/1/webhooks/1/dead-letters/retry?event=77-1", api.admin).status, 404);
+  EXPECT_EQ(api.ask("GET", "/v1/buildings/1/webhooks/1/deliveries", api.admin).json()["deliveries"], json::array());
+  EXPECT_EQ(api.ask("GET", "/v1/buildings/1/webhooks/9/deliveries", api.admin).status, 404);
   EXPECT_EQ(api.ask("DELETE", "/v1/buildings/1/webhooks/1", api.admin).status, 204);
   EXPECT_EQ(api.ask("GET", "/v1/buildings/1/webhooks/1", api.admin).status, 404);
 }

@@ -143,6 +143,7 @@ def zones_and_webhooks(api, v):
     api.replace_webhook({**v, "If-Match": api.ask("show_webhook", v).headers["etag"]})
     assert api.dead_letters(v)["dead_letters"] == []
     assert api.retry_dead_letters(v)["retried"] == 0
+    assert api.list_deliveries(v)["deliveries"] == []
 
 
 def keys_and_the_rest(api, v):
@@ -226,6 +227,7 @@ def a_phone_is_explained(api, v, server):
 def ends(api, v):
     """What takes away, last."""
     kept = api.backup(v)
+    assert len(api.list_backups(v)["backups"]) == 1
     assert api.erase_points({"building": v["building"], "upload": "corridor"})["erased"] == 10
     api.remove_quality_walk(v)
     for name in ("remove_zone", "remove_webhook", "remove_floor_image"):

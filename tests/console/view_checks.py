@@ -210,9 +210,15 @@ async def webhooks(page, system):
         await page.until("document.querySelectorAll('[data-event]').length > 0")
         await page_checks.hold(page, "dead letters")
         receiver.takes = True
-        await page.run(click("Try again", "document.querySelector('dialog')"))
+        await page.run(click("Try all again", "document.querySelector('dialog')"))
         await page.until("Number(document.querySelector('[data-label=Delivered]').textContent) > 0")
         assert receiver.taken > 0
+        await page.run(click("Deliveries"))
+        await page.until("document.querySelectorAll('[data-delivery]').length > 1")
+        assert await page.run(says("dead letter")) and await page.run(says("delivered"))
+        await page_checks.hold(page, "deliveries")
+        await page.run(click("Close", "document.querySelector('dialog')"))
+        await page.until("!document.querySelector('dialog[open]')")
         await page.run(click("Edit"))
         await page.until("document.querySelector('dialog[open]') && !document.querySelector('dialog .loading')")
         await page.run("document.querySelector('dialog input[type=checkbox]').click()")
@@ -226,6 +232,7 @@ async def data(page, system):
     await page.until("document.getElementById('erase-point')")
     await page.run(click("Verify"))
     await page.until("document.querySelector('.card-head .badge')?.textContent === 'sound'")
+    await page.until("document.querySelector('[data-upkeep=Verification]')")
     await page.run(fill("#erase-point", "1"))
     await page.run(click("Erase"))
     await page.until("document.querySelector('dialog[open]')")
@@ -245,6 +252,7 @@ async def back_up_remove_restore(page, system):
     await page.run(click("Backup"))
     backup = pathlib.Path(system.folder) / f"building-{shed}.sqlite"
     await page.until_here(lambda: backup.exists() and backup.read_bytes().startswith(b"SQLite format 3"))
+    await page.until("document.querySelector('[data-upkeep=Backup]')")
     await page.run(click("Remove"))
     await page.until("document.querySelector('dialog[open]')")
     removing = "document.querySelector('dialog button.danger')"

@@ -259,6 +259,32 @@ TEST(DatabaseDirectory, KeepsTheAuditAndForgetsItByRetention) {
   EXPECT_EQ(directory->audited({})->size(), 11u);
 }
 
+TEST(DatabaseDirectory, RemembersTheNewestBackupsAndVerificationsOfEachBuilding) {
+  const TemporaryFolder folder;
+  const auto at = [](int second) { return UnixTime(std::chrono::seconds(1'700'000'000 + second)); };
+  using Kind = UpkeepRecord::Kind;
+  {
+    const auto directory = opened(folder);
+    std::atomic<int> durable{0};
+    const auto note = [&](UpkeepRecord record) {
+      directory->note_upkeep(std::move(record), [&](Result<void> done) { durable += done.has_value(); });
+    };
+    note({{7}, Kind::kVerification, at(0), 2, 5, 0, "upload 'a': a bit has changed"});
+    for (int i = 1; i <= 120; ++i) note({{7}, Kind::kBackup, at(i), 3, 5, 4096u * i, ""});
+    note({{8}, Kind::kBackup, at(500), 3, 1, 4096, ""});
+    directory->close();
+    EXPECT_EQ(durable, 122);
+  }
+  const auto directory = opened(folder);
+  const auto records = directory->upkeep({7}).value();
+  ASSERT_EQ(records.size(), 101u) << "100 backups, and backups push no verification out";
+  EXPECT_EQ(records.front(), (UpkeepRecord{{7}, Kind::kBackup, at(120), 3, 5, 4096u * 120, ""}));
+  EXPECT_EQ(records[99].at, at(21));
+  EXPECT_EQ(records.back().finding, "upload 'a': a bit has changed");
+  EXPECT_EQ(directory->upkeep({8})->size(), 1u);
+  EXPECT_TRUE(directory->upkeep({9})->empty());
+}
+
 TEST(DatabaseDirectory, CommitsWhatArrivesTogetherTogetherAndAnswersEachOnce) {
   const TemporaryFolder folder;
   const auto directory = opened(folder);

@@ -76,7 +76,7 @@ TEST(WebhookQueue, WaitsTwiceAsLongAfterEachFailureAndThenBuries) {
   ASSERT_EQ(dead.size(), 1u);
   EXPECT_EQ(dead[0].attempts, 4u);
   EXPECT_EQ(dead[0].failure, "answered 500");
-  EXPECT_EQ(queue.retry_dead_letters({1}, 1, at(now_s)), 1u);
+  EXPECT_EQ(queue.retry_dead_letters({1}, 1, "", at(now_s)), 1u);
   EXPECT_EQ(queue.take(at(now_s))->attempts, 1u);
 }
 
@@ -106,6 +106,52 @@ TEST(WebhookQueue, IsBounded) {
   EXPECT_EQ(state.dead, 3u);
   EXPECT_EQ(state.dropped, 12u);
   EXPECT_EQ(queue.take(at(0))->id, "e-16") << "the newest are kept";
+}
+
+TEST(WebhookQueue, TellsOfItsNewestAttemptsAndWhatCameOfThem) {
+  WebhookSettings settings;
+  settings.attempts = 2;
+  settings.attempts_most = 3;
+  WebhookQueue queue = queue_of({hook(1)}, settings);
+  queue.offer(event(1), at(0));
+  auto delivery = queue.take(at(0));
+  delivery->status = 500, delivery->took = std::chrono::milliseconds(20), delivery->sent_at = UnixTime(std::chrono::seconds(7));
+  queue.failed(*delivery, "answered 500", false, at(1));
+  using Outcome = WebhookAttempt::Outcome;
+  ASSERT_EQ(queue.attempts({1}, 1).size(), 1u);
+  const WebhookAttempt first = queue.attempts({1}, 1)[0];
+  EXPECT_EQ(first.event_id, "e-1");
+  EXPECT_EQ(first.attempt, 1u);
+  EXPECT_EQ(first.status, 500);
+  EXPECT_EQ(first.took, Duration(std::chrono::milliseconds(20)));
+  EXPECT_EQ(first.at, UnixTime(std::chrono::seconds(7)));
+  EXPECT_EQ(first.outcome, Outcome::kWaits);
+  queue.failed(*queue.take(at(100)), "no answer", false, at(101));
+  EXPECT_EQ(queue.attempts({1}, 1)[0].outcome, Outcome::kDead) << "newest first";
+  for (std::uint64_t number = 2; number < 5; ++number) {
+    queue.offer(event(number), at(200));
+    queue.done(*queue.take(at(200)));
+  }
+  ASSERT_EQ(queue.attempts({1}, 1).size(), 3u) << "the oldest make room";
+  EXPECT_EQ(queue.attempts({1}, 1)[0].event_id, "e-4");
+  EXPECT_EQ(queue.attempts({1}, 1)[0].outcome, Outcome::kDelivered);
+  EXPECT_TRUE(queue.attempts({1}, 9).empty());
+}
+
+TEST(WebhookQueue, SendsOneDeadLetterAgainWhereItIsNamed) {
+  WebhookSettings settings;
+  settings.attempts = 1;
+  WebhookQueue queue = queue_of({hook(1)}, settings);
+  for (std::uint64_t number = 1; number < 4; ++number) {
+    queue.offer(event(number), at(0));
+    queue.failed(*queue.take(at(0)), "answered 500", false, at(0));
+  }
+  EXPECT_EQ(queue.retry_dead_letters({1}, 1, "e-9", at(1)), 0u);
+  EXPECT_EQ(queue.retry_dead_letters({1}, 1, "e-2", at(1)), 1u);
+  EXPECT_EQ(queue.state({1}, 1).dead, 2u);
+  EXPECT_EQ(queue.take(at(1))->id, "e-2");
+  EXPECT_EQ(queue.dead_letters({1}, 1)[0].event_id, "e-1");
+  EXPECT_EQ(queue.dead_letters({1}, 1)[1].event_id, "e-3");
 }
 
 TEST(WebhookQueue, ForgetsWhatWaitsForAWebhookThatIsNoMore) {

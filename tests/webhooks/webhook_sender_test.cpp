@@ -167,8 +167,13 @@ TEST_F(WebhookSenderTest, KeepsWhatNobodyTakesAndSendsItLater) {
   visit("phone-a");
   ASSERT_TRUE(until([&] { return sender->total().dead == 2; }));
   EXPECT_EQ(sender->dead_letters({1}, 1)[0].failure, "answered 500");
-  EXPECT_EQ(sender->retry_dead_letters({1}, 1), 2u);
+  EXPECT_EQ(sender->attempts({1}, 1)[0].status, 500);
+  EXPECT_EQ(sender->attempts({1}, 1)[0].outcome, WebhookAttempt::Outcome::kDead);
+  EXPECT_EQ(sender->retry_dead_letters({1}, 1, ""), 2u);
   EXPECT_TRUE(until([&] { return sender->total().delivered == 2; }));
+  ASSERT_EQ(sender->attempts({1}, 1).size(), 6u) << "two attempts an event, and one more each";
+  EXPECT_EQ(sender->attempts({1}, 1)[0].status, 200);
+  EXPECT_GE(sender->attempts({1}, 1)[0].took, Duration{0});
 }
 
 TEST_F(WebhookSenderTest, LeadsNowhereInsideUnlessItMay) {

@@ -3,26 +3,35 @@ import { useState } from 'preact/hooks';
 import { useBuilding } from '../context';
 import { Badge, Confirm, Facts, Fault, Loading, Notice, useDeed } from '../parts/parts';
 import { saveFile } from '../parts/save_file';
-import { count } from '../parts/words';
+import { count, when } from '../parts/words';
 import { ask } from '../wire/api';
+import { useAnswer } from '../wire/use_answer';
 import { EraseForm } from './erase_form';
 
 interface Verification { sound: boolean; uploads: number; uploads_proven: number; points: number; scans: number; readings: number; transmitters: number; wrong: string[] }
+
+interface Kept {
+  survey_version: number;
+  backups: { at_us: number; by_key: number; survey_version: number; bytes: number }[];
+  verifications: { at_us: number; by_key: number; survey_version: number; sound: boolean; finding: string | null }[];
+}
 
 /// What the server holds of a building: take it out, check it, erase it.
 export function Data() {
   const { building, forget, say } = useBuilding();
   const [removing, setRemoving] = useState(false);
   const path = `/v1/buildings/${building.id}`;
+  const kept = useAnswer<Kept>(`${path}/backups`);
   return (
     <div class="sheet">
       <div class="sheet-head">
         <div><h1>Data and privacy</h1><p>Everything an operator put in can be taken out, checked and erased.</p></div>
       </div>
       <div class="pair">
-        <TakeOut />
-        <Verify />
+        <TakeOut onTaken={kept.again} />
+        <Verify onVerified={kept.again} />
       </div>
+      <History kept={kept.data} fault={kept.fault} again={kept.again} />
       <div class="pair">
         <EraseForm />
         <div class="card">
@@ -50,10 +59,39 @@ export function Data() {
   );
 }
 
-function TakeOut() {
+/// Backups taken and verifications run, newest first; a building that was never backed up says so.
+function History({ kept, fault, again }: { kept: Kept | null; fault: unknown; again: () => void }) {
+  if (!kept) return fault ? <div class="card"><div class="card-body"><Notice tone="bad">When it was backed up is not known just now.<button onClick={again}>Ask again</button></Notice></div></div> : null;
+  const behind = kept.backups.length > 0 && kept.backups[0]!.survey_version !== kept.survey_version;
+  const done = [...kept.backups.map((one) => ({ ...one, what: 'Backup' })), ...kept.verifications.map((one) => ({ ...one, what: 'Verification' }))]
+    .sort((a, b) => b.at_us - a.at_us).slice(0, 20);
+  return (
+    <div class="card" data-part="backups">
+      <div class="card-head"><h2>Backups and verifications</h2>
+        {kept.backups.length === 0 ? <Badge tone="warn">never backed up</Badge> : behind && <Badge tone="warn">survey grew since the newest backup</Badge>}</div>
+      {done.length === 0 ? <div class="card-body"><p class="hint">None yet. A backup taken here or by <span class="mono">wayfuse backup</span> stands here with its time and size.</p></div> : (
+        <div class="scroll"><table class="stack">
+          <thead><tr><th>What</th><th>When</th><th class="number">By key</th><th class="number">Survey</th><th>Result</th></tr></thead>
+          <tbody>{done.map((one) => (
+            <tr key={`${one.what} ${one.at_us}`} data-upkeep={one.what}>
+              <td><strong>{one.what}</strong></td><td data-label="When" class="whole date">{when(one.at_us)}</td>
+              <td class="number" data-label="By key">{one.by_key}</td><td class="number" data-label="Survey">{one.survey_version}</td>
+              <td data-label="Result">{'bytes' in one ? `${count(Math.ceil(one.bytes / 1024))} kB taken` : one.sound ? <Badge tone="good">sound</Badge> : <><Badge tone="bad">damaged</Badge><span class="sub">{one.finding}</span></>}</td>
+            </tr>
+          ))}</tbody>
+        </table></div>
+      )}
+    </div>
+  );
+}
+
+function TakeOut({ onTaken }: { onTaken: () => void }) {
   const { building } = useBuilding();
   const { busy, fault, run } = useDeed();
-  const save = (what: string, end: string) => run(() => saveFile(`/v1/buildings/${building.id}/${what}`, `building-${building.id}${end}`));
+  const save = (what: string, end: string) => run(async () => {
+    await saveFile(`/v1/buildings/${building.id}/${what}`, `building-${building.id}${end}`);
+    onTaken();
+  });
   return (
     <div class="card">
       <div class="card-head"><h2>Take it out</h2></div>
@@ -70,11 +108,11 @@ function TakeOut() {
   );
 }
 
-function Verify() {
+function Verify({ onVerified }: { onVerified: () => void }) {
   const { building } = useBuilding();
   const { busy, fault, run } = useDeed();
   const [report, setReport] = useState<Verification | null>(null);
-  const verify = () => run(async () => { setReport(null); setReport(await ask<Verification>(`/v1/buildings/${building.id}/verification`)); });
+  const verify = () => run(async () => { setReport(null); setReport(await ask<Verification>(`/v1/buildings/${building.id}/verification`)); onVerified(); });
   return (
     <div class="card">
       <div class="card-head"><h2>Is it sound?</h2>{report && <Badge tone={report.sound ? 'good' : 'bad'}>{report.sound ? 'sound' : 'damaged'}</Badge>}

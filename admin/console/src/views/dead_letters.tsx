@@ -15,10 +15,10 @@ export function DeadLetters({ webhook, onClose }: { webhook: Webhook; onClose: (
   const { data, fault, loading, again } = useAnswer<{ dead_letters: DeadLetter[] }>(path);
   const { busy, fault: refused, run } = useDeed();
   const letters = [...(data?.dead_letters ?? [])].reverse();
-  const retry = () => run(async () => {
-    const { retried } = await ask<{ retried: number }>(`${path}/retry`, { method: 'POST' });
+  const retry = (event?: string) => run(async () => {
+    const { retried } = await ask<{ retried: number }>(`${path}/retry${event ? `?event=${encodeURIComponent(event)}` : ''}`, { method: 'POST' });
     say('good', `${plural(retried, 'event')} on the way again.`);
-    onClose();
+    event ? again() : onClose();
   });
   return (
     <Dialog title="Dead letters" wide onClose={onClose}>
@@ -28,14 +28,14 @@ export function DeadLetters({ webhook, onClose }: { webhook: Webhook; onClose: (
         {fault && !data ? <Fault fault={fault} again={again} /> : loading ? <Loading what="the dead letters" />
           : letters.length === 0 ? <Empty icon={<MailX />} title="None any more" /> : (
           <div class="scroll letters"><table class="dense">
-            <thead><tr><th>Event of</th><th class="number">Attempts</th><th>Failure</th></tr></thead>
+            <thead><tr><th>Event of</th><th class="number">Attempts</th><th>Failure</th><th><span class="visually-hidden">Actions</span></th></tr></thead>
             <tbody>{letters.slice(0, kRows).map((one) => (
-              <tr key={one.event} data-event={one.event}><td>{when(one.at_us)}</td><td class="number">{one.attempts}</td><td>{one.failure}</td></tr>
+              <tr key={one.event} data-event={one.event}><td>{when(one.at_us)}</td><td class="number">{one.attempts}</td><td>{one.failure}</td><td class="actions"><button disabled={busy} onClick={() => retry(one.event)}>Try again</button></td></tr>
             ))}</tbody>
           </table></div>
         )}
         {refused && <Fault fault={refused} />}
-        <div class="row end"><button onClick={onClose}>Close</button><button class="primary" disabled={busy || letters.length === 0} onClick={retry}>Try again</button></div>
+        <div class="row end"><button onClick={onClose}>Close</button><button class="primary" disabled={busy || letters.length === 0} onClick={() => retry()}>Try all again</button></div>
       </div>
     </Dialog>
   );

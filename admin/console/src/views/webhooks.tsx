@@ -9,9 +9,10 @@ import type { Webhook } from '../wire/webhook_shapes';
 import type { Zone } from '../wire/zone_shapes';
 import { useAnswer } from '../wire/use_answer';
 import { DeadLetters } from './dead_letters';
+import { Deliveries } from './deliveries';
 import { WebhookForm } from './webhook_form';
 
-type Open = { kind: 'form'; webhook: Webhook | null } | { kind: 'letters' | 'remove'; webhook: Webhook } | { kind: 'secret'; secret: string } | null;
+type Open = { kind: 'form'; webhook: Webhook | null } | { kind: 'letters' | 'deliveries' | 'remove'; webhook: Webhook } | { kind: 'secret'; secret: string } | null;
 
 /// Where zone events are posted to, and how that goes.
 export function Webhooks() {
@@ -46,6 +47,7 @@ export function Webhooks() {
           notice="This is the only time the secret is shown. The receiver verifies each message with it (Standard Webhooks)." />
       )}
       {open?.kind === 'letters' && <DeadLetters webhook={open.webhook} onClose={close} />}
+      {open?.kind === 'deliveries' && <Deliveries webhook={open.webhook} onClose={close} />}
       {open?.kind === 'remove' && (
         <Confirm title="Remove this webhook?" act="Remove" danger onClose={close}
           onConfirm={async () => { await ask(`${base}/${open.webhook.id}`, { method: 'DELETE' }); say('good', 'The webhook is removed.'); }}>
@@ -70,6 +72,7 @@ function Row({ one, nameOf, open }: { one: Webhook; nameOf: (id: number) => stri
         {one.dropped > 0 && <span class="sub">{count(one.dropped)} more dropped</span>}</td>
       <td class="actions"><span class="row end">
         {one.dead_letters > 0 && <button onClick={() => open({ kind: 'letters', webhook: one })}>Dead letters</button>}
+        <button onClick={() => open({ kind: 'deliveries', webhook: one })}>Deliveries</button>
         <button onClick={() => open({ kind: 'form', webhook: one })}>Edit</button>
         <button class="danger" onClick={() => open({ kind: 'remove', webhook: one })}>Remove</button>
       </span></td>

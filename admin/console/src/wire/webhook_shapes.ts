@@ -16,3 +16,13 @@ export interface Webhook {
 }
 
 export interface DeadLetter { event: string; at_us: number; attempts: number; failure: string }
+
+export interface Delivery {
+  event: string;
+  at_us: number;
+  attempt: number;
+  status: number | null;             // HTTP; null: there was no answer
+  took_us: number;
+  outcome: 'delivered' | 'waits' | 'dead';
+  failure: string | null;
+}
