@@ -92,7 +92,11 @@ App::App(ServerConfig config, std::unique_ptr<DatabaseDirectory> store)
                      .heard = [this](std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position) {
                        access_points_.hear(session, building, scan, position);
                      },
-                     .recordings = &recordings_} {}
+                     .recordings = &recordings_,
+                     .prepare = [this](std::shared_ptr<const Building> building, const std::string& pipeline) {
+                       if (!building->is_first_to_prepare(pipeline)) return;
+                       workers_.run([building = std::move(building), pipeline] { static_cast<void>(building->pipeline(pipeline)); });
+                     }} {}
 
 // Surveys of one building become one version every few seconds at most; a worse one does not come into force.
 BuildingKeeper::Settings App::keeper_settings() {

@@ -134,9 +134,29 @@ Result<std::shared_ptr<const TrackerFactory>> Building::pipeline(const std::stri
   const auto spec = preset(wanted);
   if (!spec) return spec.fault();
   const auto factory = assemble(*spec, site_);
-  if (!factory) return factory.fault();
   const std::lock_guard lock(mutex_);
+  if (!factory) {
+    refused_.insert_or_assign(wanted, factory.fault());
+    return factory.fault();
+  }
   return pipelines_.try_emplace(wanted, deaf_to(distrusted_, *factory)).first->second;
+}
+
+std::optional<Result<std::shared_ptr<const TrackerFactory>>> Building::pipeline_at_hand(const std::string& name) const {
+  using Answer = Result<std::shared_ptr<const TrackerFactory>>;
+  const std::string& wanted = name.empty() ? record_->pipeline : name;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = pipelines_.find(wanted); found != pipelines_.end()) return Answer(found->second);
+    if (const auto found = refused_.find(wanted); found != refused_.end()) return Answer(found->second);
+  }
+  if (const auto spec = preset(wanted); !spec) return Answer(spec.fault());
+  return std::nullopt;
+}
+
+bool Building::is_first_to_prepare(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return being_prepared_.insert(name.empty() ? record_->pipeline : name).second;
 }
 
 std::vector<std::string> Building::prepared() const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,10 @@ class Building {
   std::shared_ptr<const SurveyLevels> levels() const;
   /// Empty name = the building's own pipeline. Thread: any.
   Result<std::shared_ptr<const TrackerFactory>> pipeline(const std::string& name) const;
+  /// The same where it is at hand; absent: it is not made yet, which may take a while.
+  std::optional<Result<std::shared_ptr<const TrackerFactory>>> pipeline_at_hand(const std::string& name) const;
+  /// True the first time it is called for that pipeline: who hears it makes it, by pipeline().
+  bool is_first_to_prepare(const std::string& name) const;
   /// Names of the pipelines made so far, ascending.
   std::vector<std::string> prepared() const;
   /// Makes ready what sessions track with over `older`, so that none of them waits for it when it moves here.
@@ -69,6 +74,8 @@ class Building {
   mutable std::shared_ptr<const SurveyLevels> levels_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::shared_ptr<const TrackerFactory>> pipelines_;
+  mutable std::map<std::string, Fault> refused_;  // pipelines that cannot be made of this snapshot
+  mutable std::set<std::string> being_prepared_;
 };
 
 /// id -> newest snapshot. Shared between threads: one mutex, never held while calling out.

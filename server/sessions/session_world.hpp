@@ -73,6 +73,8 @@ struct SessionWorld {
   /// What a placed phone heard, now and then: for the health of access points. May be empty; any thread.
   std::function<void(std::uint64_t session, const Building& building, const RssScan& scan, const FusedPosition& position)> heard = {};
   RecordingShelf* recordings = nullptr;  ///< null = nothing is ever recorded
+  /// Has a pipeline that is not at hand made ready, elsewhere: sessions hold their samples meanwhile. Empty: sessions make it themselves.
+  std::function<void(std::shared_ptr<const Building> building, const std::string& pipeline)> prepare = {};
 };
 
 }  // namespace wayfuse

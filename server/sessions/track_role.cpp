@@ -178,12 +178,17 @@ Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {
   request.begins_after = hello.resume ? hello.resume->acked_through : 0;
   request.since = seat.world.clock.wall_now();
   request.recordings = seat.world.recordings;
+  request.prepare = &seat.world.prepare;
   if (hello.building.value != 0) {
     auto building = named_building(seat.world, hello.building);
     if (!building) return building.fault();
     request.building = *std::move(building);
-    const auto pipeline = request.building->pipeline(hello.pipeline);
-    if (!pipeline) return pipeline.fault();
+    if (!seat.world.prepare) {
+      const auto pipeline = request.building->pipeline(hello.pipeline);
+      if (!pipeline) return pipeline.fault();
+    } else if (const auto at_hand = request.building->pipeline_at_hand(hello.pipeline); at_hand && !*at_hand) {
+      return at_hand->fault();
+    }
   } else if (!hello.pipeline.empty()) {
     const auto known = preset(hello.pipeline);
     if (!known) return known.fault();

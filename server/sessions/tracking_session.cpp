@@ -156,10 +156,10 @@ void TrackingSession::follow() {
   auto newest = buildings_.find(building_->record().id);
   if (!newest || newest == building_) return;
   if (!timeline_ || !timeline_->newest()) return track_in(std::move(newest));
-  const auto factory = newest->pipeline(request_.pipeline);
-  if (!factory) return;
+  const auto factory = pipeline_in(newest);
+  if (!factory || !*factory) return;
   building_ = std::move(newest);
-  factory_ = *factory;
+  factory_ = **factory;
   const Random random = random_.split();
   if (tape_) write(TapeExchanged{tracked_with(), random, applied_through_});
   timeline_->exchange(factory_, random, applied_through_);
@@ -181,16 +181,24 @@ bool TrackingSession::resolve() {
   return building_ != nullptr;
 }
 
+// Absent: it is being made ready on a worker. A connection's thread learns no network.
+std::optional<TrackingSession::FactoryAnswer> TrackingSession::pipeline_in(const std::shared_ptr<const Building>& building) const {
+  if (!request_.prepare || !*request_.prepare) return building->pipeline(request_.pipeline);
+  auto at_hand = building->pipeline_at_hand(request_.pipeline);
+  if (!at_hand) (*request_.prepare)(building, request_.pipeline);
+  return at_hand;
+}
+
 void TrackingSession::track_in(std::shared_ptr<const Building> building) {
   building_ = std::move(building);
   timeline_.reset();
-  const auto factory = building_->pipeline(request_.pipeline);
-  if (!factory) {
-    cannot_track_ = factory.fault();
+  const auto factory = pipeline_in(building_);
+  if (!factory || !*factory) {
+    cannot_track_ = factory ? factory->fault() : Fault{FaultCode::kOverloaded, "pipeline", "it is being made ready; what the phone sends is kept"};
     return;
   }
   cannot_track_.reset();
-  factory_ = *factory;
+  factory_ = **factory;
   const Random random = random_.split();
   if (tape_) write(TapeBegun{tracked_with(), random});
   timeline_.emplace(factory_->make_tracker(random));

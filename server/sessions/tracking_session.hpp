@@ -26,6 +26,8 @@ struct SessionRequest {
   std::string app;
   std::uint64_t begins_after = 0;  ///< the first sample's number less one
   RecordingShelf* recordings = nullptr;  ///< where what it is fed is written down, while an operator wants that; null = nowhere
+  /// SessionWorld::prepare; null or empty = pipelines are made where they are asked for. Outlives the session.
+  const std::function<void(std::shared_ptr<const Building>, const std::string&)>* prepare = nullptr;
   UnixTime since;
 };
 
@@ -109,6 +111,8 @@ class TrackingSession {
   void settle();
   void follow();
   bool resolve();
+  using FactoryAnswer = Result<std::shared_ptr<const TrackerFactory>>;
+  std::optional<FactoryAnswer> pipeline_in(const std::shared_ptr<const Building>& building) const;
   void track_in(std::shared_ptr<const Building> building);
   void answer(Outcome& outcome, Duration still_interval);
   void find_tape();

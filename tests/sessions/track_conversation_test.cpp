@@ -172,6 +172,42 @@ TEST(TrackConversation, SaysWhyThereIsNoPosition) {
   EXPECT_EQ(early.output.last<Welcome>().radio_map_version, early.output.last<Position>().position.radio_map_version);
 }
 
+TEST(TrackConversation, APipelineThatMustBeMadeReadyHoldsUpNoConnectionAndLosesNoSample) {
+  SessionHouse house, at_once;
+  const BuildingId hall = house.add_building("Hall", true), same = at_once.add_building("Hall", true);
+  std::vector<std::pair<std::shared_ptr<const Building>, std::string>> wanted;
+  house.world->prepare = [&](std::shared_ptr<const Building> building, const std::string& pipeline) {
+    if (building->is_first_to_prepare(pipeline)) wanted.emplace_back(std::move(building), pipeline);
+  };
+  Caller held, quick;
+  house.call(held);
+  at_once.call(quick);
+  Hello hello = track_hello(hall);
+  hello.pipeline = "p1";
+  held.say(hello);
+  hello.building = same;
+  quick.say(hello);
+  const auto both = [&](std::uint64_t number, std::vector<SampleBody> bodies) {
+    held.say(numbered(number, bodies));
+    quick.say(numbered(number, std::move(bodies)));
+  };
+  both(1, {scan(1, {4, 4})});
+  both(2, {step_at(1.5)});
+  EXPECT_EQ(held.output.last<Ack>().through, 2u);
+  EXPECT_EQ(held.output.last<NoFix>().reason.field, "pipeline");
+  ASSERT_EQ(wanted.size(), 1u) << "asked for once";
+  ASSERT_TRUE(wanted[0].first->pipeline(wanted[0].second));
+  both(3, {step_at(2.0)});
+  EXPECT_EQ(held.output.last<Position>().position.place, quick.output.last<Position>().position.place);
+
+  Caller foreign;
+  house.call(foreign);
+  hello.building = hall;
+  hello.pipeline = "p99";
+  foreign.say(hello);
+  EXPECT_EQ(foreign.output.last<FaultReport>().fault.code, FaultCode::kUnknownName);
+}
+
 TEST(TrackConversation, FindsTheBuildingFromTheFirstScans) {
   SessionHouse house;
   const BuildingId here = house.add_building("Here", true);
