@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "admin/cli/program.hpp"
 #include "admin/cli/table.hpp"
@@ -11,14 +12,22 @@
 namespace wayfuse::cli {
 namespace {
 
-// Writes an answer into a file; what is there already is never half replaced.
-int fetch(const Program& program, const std::string& path, const std::string& file) {
-  const auto reply = exchange(program.connection, "GET", path);
+// Absent: there is none, or the server refused; why is said.
+std::optional<Reply> answer_to(const Program& program, const std::string& path) {
+  auto reply = exchange(program.connection, "GET", path);
   if (!reply) {
     std::cerr << "wayfuse: " << reply.fault().cause << "\n";
-    return EXIT_FAILURE;
+    return std::nullopt;
   }
-  if (reply->status >= 400) return refused(*reply);
+  if (reply->status < 400) return *std::move(reply);
+  refused(*reply);
+  return std::nullopt;
+}
+
+// Writes an answer into a file; what is there already is never half replaced.
+int fetch(const Program& program, const std::string& path, const std::string& file) {
+  const auto reply = answer_to(program, path);
+  if (!reply) return EXIT_FAILURE;
   if (file == "-") {
     write_content(file, reply->body);
     return EXIT_SUCCESS;
@@ -31,12 +40,8 @@ int fetch(const Program& program, const std::string& path, const std::string& fi
 
 // Unsound = a failure, so that scripts notice.
 int verify(const Program& program) {
-  const auto reply = exchange(program.connection, "GET", building_path(program, "/verification"));
-  if (!reply) {
-    std::cerr << "wayfuse: " << reply.fault().cause << "\n";
-    return EXIT_FAILURE;
-  }
-  if (reply->status >= 400) return refused(*reply);
+  const auto reply = answer_to(program, building_path(program, "/verification"));
+  if (!reply) return EXIT_FAILURE;
   const auto report = nlohmann::json::parse(reply->body, nullptr, false);
   std::cout << (program.json ? reply->body : report.dump(2)) << "\n";
   return report.is_object() && report.value("sound", false) ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -53,12 +58,8 @@ std::string utc(const nlohmann::json& at_us) {
 
 // Backups and verifications in one table, newest first of each, and how far the newest backup is behind.
 int show_backups(const Program& program) {
-  const auto reply = exchange(program.connection, "GET", building_path(program, "/backups"));
-  if (!reply) {
-    std::cerr << "wayfuse: " << reply.fault().cause << "\n";
-    return EXIT_FAILURE;
-  }
-  if (reply->status >= 400) return refused(*reply);
+  const auto reply = answer_to(program, building_path(program, "/backups"));
+  if (!reply) return EXIT_FAILURE;
   const auto json = nlohmann::json::parse(reply->body, nullptr, false);
   if (program.json || !json.is_object()) {
     std::cout << reply->body << "\n";

@@ -172,7 +172,7 @@ TEST_F(WebhookSenderTest, KeepsWhatNobodyTakesAndSendsItLater) {
   EXPECT_EQ(sender->retry_dead_letters({1}, 1, ""), 2u);
   EXPECT_TRUE(until([&] { return sender->total().delivered == 2; }));
   ASSERT_EQ(sender->attempts({1}, 1).size(), 6u) << "two attempts an event, and one more each";
-  EXPECT_EQ(sender->attempts({1}, 1)[0].status, 200);
+  EXPECT_EQ(sender->attempts({1}, 1)[0].status, 204);
   EXPECT_GE(sender->attempts({1}, 1)[0].took, Duration{0});
 }
 
