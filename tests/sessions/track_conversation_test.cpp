@@ -205,7 +205,8 @@ TEST(TrackConversation, APipelineThatMustBeMadeReadyHoldsUpNoConnectionAndLosesN
   hello.building = hall;
   hello.pipeline = "p99";
   foreign.say(hello);
-  EXPECT_EQ(foreign.output.last<FaultReport>().fault.code, FaultCode::kUnknownName);
+  ASSERT_TRUE(foreign.output.closed) << "a name that nobody knows is refused at once";
+  EXPECT_EQ(foreign.output.closed->code, FaultCode::kUnknownName);
 }
 
 TEST(TrackConversation, FindsTheBuildingFromTheFirstScans) {
