@@ -111,8 +111,8 @@ TEST_F(Sessions, AReplayGivesWhatThePhoneWasToldOverTheSocket) {
     EXPECT_NE(again.body.find(said), std::string::npos) << said << " is not in " << again.body;
   }
   const auto content = http(where(), "GET", path + "/recordings/" + id, key);
-  EXPECT_NE(content.body.find("\"sequence\":4}"), std::string::npos) << content.body;
-  EXPECT_NE(content.body.find("\"sequence\":13}"), std::string::npos) << content.body;
+  EXPECT_NE(content.body.find("\"sequence\":4,"), std::string::npos) << content.body;
+  EXPECT_NE(content.body.find("\"sequence\":13,"), std::string::npos) << content.body;
   EXPECT_EQ(http(where(), "DELETE", path + "/recordings", key).body, "{\"erased\":1}");
 }
 
