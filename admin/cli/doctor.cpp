@@ -141,7 +141,7 @@ void examine_buildings(const Connection& connection, const std::string& body, Di
       found.push_back({"buildings", "warning", name + " has no survey: phones get no position there", "survey it, or wayfuse survey upload"});
     examine_backups(connection, building, found);
   }
-  if (!list.empty()) found.push_back({"buildings", "good", std::to_string(list.size()) + " buildings", ""});
+  if (!list.empty()) found.push_back({"buildings", "good", std::to_string(list.size()) + (list.size() == 1 ? " building" : " buildings"), ""});
 }
 
 void examine_key(const Connection& connection, Diagnoses& found) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "db/database_directory.hpp"
 #include "server/buildings/deaf_tracker.hpp"
 #include "server/buildings/device_offsets.hpp"
 #include "wayfuse/proto/magnetic_model.hpp"
@@ -220,6 +221,14 @@ std::optional<BuildingId> BuildingShelf::resolve(std::span<const Bssid> heard, s
     }
   }
   return most >= least && most >= 2 * second ? best : std::nullopt;
+}
+
+Result<std::shared_ptr<const Building>> ready_building(const BuildingShelf& shelf, const DatabaseDirectory& store, BuildingId id) {
+  if (auto building = shelf.find(id)) return building;
+  if (std::ranges::count(store.buildings(), id) > 0) {
+    return Fault{FaultCode::kOverloaded, "building", "its radio map is being made ready; come again"};
+  }
+  return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
 }
 
 }  // namespace wayfuse

@@ -18,6 +18,8 @@
 
 namespace wayfuse {
 
+class DatabaseDirectory;
+
 /// An immutable snapshot of a building, ready to track in: what sessions hold while a newer one is made.
 class Building {
  public:
@@ -92,5 +94,9 @@ class BuildingShelf {
   mutable std::mutex mutex_;
   std::map<BuildingId, std::shared_ptr<const Building>> shelf_;
 };
+
+/// The snapshot of a building somebody asks for. What the store has and no map stands for yet, as right after a start, is
+/// kOverloaded: who asks comes again; kUnknownBuilding would send a phone away for good.
+Result<std::shared_ptr<const Building>> ready_building(const BuildingShelf& shelf, const DatabaseDirectory& store, BuildingId id);
 
 }  // namespace wayfuse

@@ -217,8 +217,9 @@ void MapDesk::roll_back_map(BuildingId building, std::uint64_t by_key, const std
 }
 
 void MapDesk::with_model(BuildingId id, Done<std::shared_ptr<const AccuracyModel>> done) {
-  const auto building = shelf_.find(id);
-  if (!building) return done(Fault{FaultCode::kUnknownBuilding, "building", "there is no such building"});
+  const auto found = ready_building(shelf_, store_, id);
+  if (!found) return done(found.fault());
+  const std::shared_ptr<const Building> building = *found;
   const auto pipeline = building->pipeline("");
   if (!pipeline) return done(pipeline.fault());
   std::shared_ptr<const AccuracyModel> ready;

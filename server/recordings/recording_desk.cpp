@@ -28,8 +28,8 @@ struct RecordingDesk::Job {
 };
 
 Result<void> RecordingDesk::known(BuildingId building) const {
-  if (buildings_.find(building)) return {};
-  return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building"};
+  const auto there = ready_building(buildings_, store_, building);
+  return there ? Result<void>{} : there.fault();
 }
 
 Result<RecordingState> RecordingDesk::order(BuildingId building, const RecordingOrder& order) {

@@ -139,15 +139,6 @@ std::shared_ptr<Conversation> begin_conversation(SessionWorld& world, SessionOut
   return std::make_shared<ClientConversation>(world, output, std::move(post), std::move(rights), std::move(authenticate));
 }
 
-Result<std::shared_ptr<const Building>> named_building(const SessionWorld& world, BuildingId id) {
-  if (auto building = world.buildings.find(id)) return building;
-  const auto stored = world.store.buildings();
-  if (std::ranges::find(stored, id) != stored.end()) {
-    return Fault{FaultCode::kOverloaded, "building", "its radio map is being made ready; come again"};
-  }
-  return Fault{FaultCode::kUnknownBuilding, "building", "there is no such building for this key"};
-}
-
 Duration time_left(const SessionWorld& world, std::optional<UnixTime> expires_at) {
   return expires_at ? std::max(Duration{1}, Duration(*expires_at - world.clock.wall_now())) : Duration{0};
 }

@@ -149,7 +149,7 @@ Result<std::shared_ptr<RoleConversation>> begin_observing(RoleSeat seat, const H
   const BuildingId building = hello.building.value != 0 ? hello.building : seat.rights.building;
   std::shared_ptr<const Building> snapshot;
   if (building.value != 0) {
-    auto found = named_building(seat.world, building);
+    auto found = ready_building(seat.world.buildings, seat.world.store, building);
     if (!found) return found.fault();
     snapshot = *std::move(found);
   }

@@ -40,9 +40,6 @@ inline FaultReport report(Fault fault, std::uint64_t sequence = 0, std::string i
   return {std::move(fault), sequence, std::move(idempotency_key), retry_after};
 }
 
-/// The building a hello names. What the store has and no map stands for yet, as right after a start, is kOverloaded: the client
-/// comes again; kUnknownBuilding would send it away for good.
-Result<std::shared_ptr<const Building>> named_building(const SessionWorld& world, BuildingId id);
 /// What every welcome says; `building` may be null.
 Welcome welcome_from(const SessionWorld& world, const Building* building, std::optional<UnixTime> expires_at);
 /// What is left until then; 0 = no expiry.

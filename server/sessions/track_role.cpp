@@ -180,7 +180,7 @@ Result<SessionRequest> request_from(const RoleSeat& seat, const Hello& hello) {
   request.recordings = seat.world.recordings;
   request.prepare = &seat.world.prepare;
   if (hello.building.value != 0) {
-    auto building = named_building(seat.world, hello.building);
+    auto building = ready_building(seat.world.buildings, seat.world.store, hello.building);
     if (!building) return building.fault();
     request.building = *std::move(building);
     if (!seat.world.prepare) {
