@@ -8,8 +8,8 @@
 
 #include "db/answered_post.hpp"
 #include "db/audit_record.hpp"
-#include "db/upkeep_record.hpp"
 #include "db/building_database.hpp"
+#include "db/upkeep_record.hpp"
 
 namespace wayfuse {
 

@@ -7,10 +7,10 @@
 
 #include "db/answered_post_table.hpp"
 #include "db/audit_record.hpp"
-#include "db/upkeep_record.hpp"
 #include "db/database_directory.hpp"
 #include "db/file_lock.hpp"
 #include "db/schema.hpp"
+#include "db/upkeep_record.hpp"
 
 namespace wayfuse {
 

@@ -42,7 +42,8 @@ struct RadioFieldSettings {
 /// angle, both on the powed representation [Torres-Sospedra et al. 2015]. Each becomes a field by a log mean of
 /// exponentials under a Gaussian kernel, `L(x) = 1/b log((sum K e^{-b (d - m)} + n) / (sum K + n))`: the best fingerprints
 /// near x count. Off the survey the nearest fingerprints speak on, K = e^{-(r^2 - n^2) / 2 h^2 - n^2 / 2 B^2} at the distance n of
-/// the nearest, ever more quietly: a walker who leaves surveyed ground is not torn back onto it. Farther out ground is neutral. Fields are sums over a 2 m lattice, evaluated only where somebody asks.
+/// the nearest, ever more quietly: a walker who leaves surveyed ground is not torn back onto it. Farther out ground is neutral.
+/// Fields are sums over a 2 m lattice, evaluated only where somebody asks.
 /// Immutable and thread-safe.
 class RadioField final : public LocatorModel, public std::enable_shared_from_this<RadioField> {
  public:

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "server/pipeline/reckoning.hpp"
 
 namespace wayfuse {
 namespace {
@@ -30,7 +31,6 @@ constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
-constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
 
 bool sound(const MotionReport& m) {
   const double values[] = {m.heading.radians(), m.heading_sigma_rad, m.turn_rate_radps, m.step_length_m, m.distance_sigma_m,
@@ -39,8 +39,6 @@ bool sound(const MotionReport& m) {
          m.interval >= Duration{0} && m.distance_m() >= 0.0;
 }
 
-BuildingPoint plus(BuildingPoint a, BuildingPoint b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
-BuildingPoint minus(BuildingPoint a, BuildingPoint b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
 
 class FieldPipeline final : public TrackerFactory {
  public:

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/pipeline/field_tracker.hpp"
+#include "server/pipeline/reckoning.hpp"
 #include "server/pipeline/weighted_places.hpp"
 
 // What a field tracker says of itself.
@@ -20,9 +20,6 @@ constexpr double kRadius95 = 2.35;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;
 constexpr double kStrange = 2.5;               // mismatch: the scan belongs to no surveyed place
-constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
-
-BuildingPoint plus(BuildingPoint a, BuildingPoint b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
 
 const char* words_for(Trick trick) {
   switch (trick) {
@@ -70,7 +67,7 @@ std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
   if (parts_->site->georeference) position.geo = parts_->site->georeference->to_geo(position.place.point);
   position.floors = floors_;
   position.covariance = {now.covariance.xx_m2 + drift_m * drift_m, now.covariance.xy_m2, now.covariance.yy_m2 + drift_m * drift_m};
-  // Scans weighed by a part of what they say leave a cloud as wide as the error; a scan that fits nothing widens it.
+  // Scans counted for what they do not repeat leave a cloud as wide as the error; a scan that fits nothing widens it.
   const double doubt_m = std::hypot(radius_m, kLeastSpread_m) * std::pow(std::max(1.0, mismatch_), kDoubtPower);
   position.radius68_m = std::hypot(kRadius68 * doubt_m, drift_m);
   position.radius95_m = std::max(position.radius68_m, std::hypot(kRadius95 * doubt_m, 2.0 * drift_m));

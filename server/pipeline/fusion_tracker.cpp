@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/pipeline/field_measurement.hpp"
-#include "server/pipeline/weighted_places.hpp"
+#include "server/pipeline/reckoning.hpp"
 #include "server/tracking/fix_measurement.hpp"
 #include "server/tracking/range_measurement.hpp"
 #include "server/tracking/velocity_measurements.hpp"
@@ -16,17 +15,11 @@ namespace {
 constexpr double kPauseS = 5.0;          // without reports for longer, the walker may be anywhere within a stroll [SAFETY C15]
 constexpr double kStrollMps = 1.0;
 constexpr double kMostSpreadM = 50.0;
-constexpr double kIdleDriftMps = 0.5;    // how fast an answer ages after the newest evidence
 constexpr double kTrackPieceM = 6.0;     // length of track a heading is read off [P1 eq. 17]
-constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;  // sigma of a uniform angle
 constexpr double kLeastSpeedSigmaMps = 0.1;
 constexpr double kLeastHeadingSigmaRad = 0.05;
 constexpr double kVagueHeadingRad = 0.7;
-constexpr double kStaleScanS = 15.0;
-constexpr double kSuspectS = 5.0;
 
-BuildingPoint plus(BuildingPoint a, BuildingPoint b) { return {a.x_m + b.x_m, a.y_m + b.y_m}; }
-BuildingPoint minus(BuildingPoint a, BuildingPoint b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
 double length_m(BuildingPoint a) { return std::hypot(a.x_m, a.y_m); }
 double angle_rad(BuildingPoint a) { return std::atan2(a.y_m, a.x_m); }
 
@@ -327,77 +320,6 @@ void FusionTracker::guard_against_nan() {
   if (finite(state.mean) && state.covariance[0] >= 0.0 && state.covariance[5] >= 0.0) return;
   filter_ = parts_->make_filter();  // begins again with the next fix
   anchor_.reset();
-}
-
-Integrity FusionTracker::integrity(PhoneTime at) const {
-  if (misses_ >= 2 || restarted_lately(at)) return Integrity::kSuspect;
-  if (!locator_) return Integrity::kOk;
-  return stale(at) || foreign() || misses_ > 0 ? Integrity::kDegraded : Integrity::kOk;
-}
-
-bool FusionTracker::restarted_lately(PhoneTime at) const { return restarted_ && seconds(at - *restarted_) < kSuspectS; }
-
-bool FusionTracker::stale(PhoneTime at) const { return !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS; }
-
-bool FusionTracker::foreign() const {
-  return from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
-}
-
-std::vector<std::string> FusionTracker::doubts(PhoneTime at) const {
-  std::vector<std::string> reasons;
-  if (misses_ > (locator_ ? 0 : 1)) reasons.push_back(std::to_string(misses_) + " fixes in a row lie too far from the track");
-  if (restarted_lately(at)) reasons.emplace_back("the track began anew a moment ago: fixes had left it");
-  if (locator_ && stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
-  if (locator_ && foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
-  return reasons;
-}
-
-std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
-  if (!filter_->started() || !floor_.started()) return std::nullopt;
-  const GaussianState belief = filter_->estimate();
-  const double idle_s = newest_ ? std::max(0.0, seconds(at - *newest_)) : 0.0;
-  const double drift_m = at_rest_ || idle_s < 1.0 ? 0.0 : kIdleDriftMps * idle_s;
-  FusedPosition position;
-  position.valid_at = at;
-  position.building = parts_->site->building;
-  position.place = {plus(plus({belief.mean.x_m, belief.mean.y_m}, correction_), parts_->origin), floor_.floor()};
-  if (parts_->site->georeference) position.geo = parts_->site->georeference->to_geo(position.place.point);
-  position.floors = floor_.probabilities();
-  position.covariance = {belief.covariance[0] + drift_m * drift_m, belief.covariance[1], belief.covariance[5] + drift_m * drift_m};
-  position.radius68_m = std::hypot(filter_->radius_m(0.68), drift_m);
-  position.radius95_m = std::max(position.radius68_m, std::hypot(filter_->radius_m(0.95), 2.0 * drift_m));
-  if (heading_.started()) {
-    position.heading = Heading::from_radians(heading_.heading_rad());
-    position.heading_sigma_rad = std::sqrt(heading_.variance_rad2());
-  } else {
-    position.heading = Heading::from_vector(belief.mean.vx_mps, belief.mean.vy_mps);
-    position.heading_sigma_rad = kLostHeadingRad;
-  }
-  position.speed_mps = moved_to_ ? speed_mps_ : std::hypot(belief.mean.vx_mps, belief.mean.vy_mps);
-  position.radio_map_version = parts_->site->radio_map_version;
-  position.integrity = integrity(at);
-  position.from = from_;
-  position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};
-  return position;
-}
-
-std::vector<WeightedPlace> FusionTracker::cloud(std::size_t most) const {
-  const ParticleCloud* particles = static_cast<const Filter&>(*filter_).cloud();
-  if (!particles || !filter_->started()) return {};
-  return weighted_places(*particles, plus(correction_, parts_->origin), most);
-}
-
-std::string FusionTracker::left_out(const ScanReading& reading) const {
-  if (!locator_) return "this pipeline uses no scans";
-  if (std::ranges::find(kept_.readings, reading) != kept_.readings.end()) return {};
-  return gate_.why_not(reading, kept_.time - reading.age);
-}
-
-Fault FusionTracker::why_no_fix() const {
-  if (!locator_) return {FaultCode::kNotFound, "", "this pipeline uses no scans and was not told where it starts"};
-  if (parts_->map->empty()) return {FaultCode::kEmptyRadioMap, "", "the building has no fingerprints yet"};
-  if (heard_scans_ == 0) return {FaultCode::kNotFound, "", "no fresh scan heard yet"};
-  return {FaultCode::kNoKnownAccessPoint, "", "no access point of the newest scan is on the map"};
 }
 
 }  // namespace wayfuse

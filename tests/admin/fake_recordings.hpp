@@ -46,10 +46,16 @@ class FakeRecordings final : public RecordingControl {
   void replay(std::uint64_t id, BuildingId building, const ReplayQuestion& question, std::function<void(Result<ReplayAnswer>)> done) override {
     if (id != 7 || building.value > 1) return done(none());
     asked = question;
-    ReplayAnswer answer{.pipeline = question.pipeline.empty() ? "default" : question.pipeline, .as_it_was = question.pipeline.empty(), .steps = 3};
-    ReplayStep without{.number = 1, .at = PhoneTime{std::chrono::seconds(1)}, .applied_through = 2, .map_version = 4};
+    ReplayAnswer answer;
+    answer.pipeline = question.pipeline.empty() ? "default" : question.pipeline;
+    answer.as_it_was = question.pipeline.empty();
+    answer.steps = 3;
+    ReplayStep without;
+    without.number = 1, without.at = PhoneTime{std::chrono::seconds(1)}, without.applied_through = 2, without.map_version = 4;
     without.no_position = Fault{FaultCode::kNotFound, "", "no fresh scan heard yet"};
-    ReplayStep with{.number = 2, .at = PhoneTime{std::chrono::seconds(2)}, .applied_through = 4, .map_version = 4, .said = true, .as_live = true};
+    ReplayStep with;
+    with.number = 2, with.at = PhoneTime{std::chrono::seconds(2)}, with.applied_through = 4, with.map_version = 4;
+    with.said = true, with.as_live = true;
     with.explanation = Explanation{};
     with.explanation->tracked = "phone-1", with.explanation->pipeline = answer.pipeline;
     with.explanation->readings = {{Bssid{1}, -61.0, std::chrono::milliseconds(300), "", -55.0, 24}};

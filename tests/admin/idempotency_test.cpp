@@ -97,7 +97,8 @@ TEST_F(Ledger, WritesNoSecretDown) {
   secret.headers["cache-control"] = "no-store";
   ask(request(), secret);
   EXPECT_EQ(ask(request(), {}).body, secret.body) << "while the server runs it is said again";
-  for (const AnsweredPost& post : store->answered_posts().value()) EXPECT_EQ(post.answer, "");
+  const auto kept = store->answered_posts();
+  for (const AnsweredPost& post : kept.value()) EXPECT_EQ(post.answer, "");
   restart();
   const Response again = ask(request(), {});
   EXPECT_FALSE(handled);

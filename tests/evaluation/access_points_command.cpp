@@ -154,12 +154,9 @@ int measure_access_points(const AccessPointOptions& options) {
 void add_access_points_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<AccessPointOptions>();
   CLI::App* command = app.add_subcommand("access-points", "Access points that vanish, move and change power on recorded walks: what is noticed");
-  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
-  command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
+  add_site_options(*command, options->data, options->floors);
   command->add_option("--pipeline", options->pipeline, "Preset")->capture_default_str();
-  command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
-      ->check(CLI::IsMember({"test", "dev"}))
-      ->capture_default_str();
+  add_split_option(*command, options->split);
   command->add_option("--every", options->every, "One in this many is changed")->check(CLI::Range(1, 1000))->capture_default_str();
   command->add_option("--power", options->power_db, "Change of power, dB")->capture_default_str();
   command->callback([options, &chosen] { chosen = [options] { return measure_access_points(*options); }; });

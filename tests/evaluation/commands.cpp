@@ -1,10 +1,23 @@
 #include "tests/evaluation/commands.hpp"
 
+#include <CLI/CLI.hpp>
+
 namespace wayfuse {
 
 std::vector<AddCommand> evaluation_commands() {
   return {add_walks_command, add_fingerprints_command, add_papers_command, add_attitude_command, add_walking_command, add_climbing_command, add_site_command,
           add_expected_command, add_access_points_command, add_devices_command};
+}
+
+void add_site_options(CLI::App& command, std::string& data, std::vector<std::string>& floors) {
+  command.add_option("--data", data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
+  command.add_option("--floors", floors, "Only these floors, by label (comma separated)")->delimiter(',');
+}
+
+CLI::Option* add_split_option(CLI::App& command, std::string& split) {
+  return command.add_option("--split", split, "test, or dev: the development part of the survey walks")
+      ->check(CLI::IsMember({"test", "dev"}))
+      ->capture_default_str();
 }
 
 }  // namespace wayfuse

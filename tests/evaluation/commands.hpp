@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace wayfuse {
@@ -25,5 +27,9 @@ void add_access_points_command(CLI::App& app, std::function<int()>& chosen);
 void add_devices_command(CLI::App& app, std::function<int()>& chosen);
 
 std::vector<AddCommand> evaluation_commands();
+
+/// What commands over a site of recorded walks are told alike.
+void add_site_options(CLI::App& command, std::string& data, std::vector<std::string>& floors);
+CLI::Option* add_split_option(CLI::App& command, std::string& split);
 
 }  // namespace wayfuse

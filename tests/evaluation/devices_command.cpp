@@ -115,12 +115,9 @@ int measure_devices(const DevicesOptions& options) {
 void add_devices_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<DevicesOptions>();
   CLI::App* command = app.add_subcommand("devices", "A survey by two phones of which one hears louder, with its offset learnt and without");
-  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
-  command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
+  add_site_options(*command, options->data, options->floors);
   command->add_option("--pipelines", options->pipelines, "Presets")->delimiter(',')->capture_default_str();
-  command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
-      ->check(CLI::IsMember({"test", "dev"}))
-      ->capture_default_str();
+  add_split_option(*command, options->split);
   command->add_option("--offset", options->offset_db, "How much louder the second phone hears, dB")->capture_default_str();
   command->add_option("--seed", options->seed, "Of the trackers and the bootstrap")->capture_default_str();
   command->add_option("--threads", options->threads, "Walks replayed at once; does not change any figure")

@@ -123,12 +123,9 @@ int measure_expected(const ExpectedOptions& options) {
 void add_expected_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<ExpectedOptions>();
   CLI::App* command = app.add_subcommand("expected", "Expected accuracy, found from the survey alone, against errors measured on recorded walks");
-  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
-  command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
+  add_site_options(*command, options->data, options->floors);
   command->add_option("--pipeline", options->pipeline, "Preset")->capture_default_str();
-  command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
-      ->check(CLI::IsMember({"test", "dev"}))
-      ->capture_default_str();
+  add_split_option(*command, options->split);
   command->add_option("--seed", options->seed, "Of the trackers")->capture_default_str();
   command->callback([options, &chosen] { chosen = [options] { return measure_expected(*options); }; });
 }

@@ -64,8 +64,7 @@ int show_site(const SiteOptions& options) {
 void add_site_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<SiteOptions>();
   CLI::App* command = app.add_subcommand("site", "What a site folder holds: floors, walks by split, lines that do not parse");
-  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
-  command->add_option("--floors", options->floors, "Only these floors, by label")->delimiter(',');
+  add_site_options(*command, options->data, options->floors);
   command->callback([options, &chosen] { chosen = [options] { return show_site(*options); }; });
 }
 

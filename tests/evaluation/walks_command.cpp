@@ -241,8 +241,7 @@ int measure_walks(const WalksOptions& options) {
 void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<WalksOptions>();
   CLI::App* command = app.add_subcommand("walks", "Accuracy on recorded walks, surveyed and tracked through the whole system");
-  command->add_option("--data", options->data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
-  command->add_option("--floors", options->floors, "Only these floors, by label (comma separated)")->delimiter(',');
+  add_site_options(*command, options->data, options->floors);
   command
       ->add_option("--pipelines", options->pipelines,
                    "Presets to compare; the last one is compared with each other walk by walk. With --direct also FILE.json and "
@@ -251,9 +250,7 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->capture_default_str();
   CLI::Option* only =
       command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
-  CLI::Option* split = command->add_option("--split", options->split, "test, or dev: the development part of the survey walks")
-                           ->check(CLI::IsMember({"test", "dev"}))
-                           ->capture_default_str();
+  CLI::Option* split = add_split_option(*command, options->split);
   CLI::Option* folds = command
                            ->add_option("--folds", options->folds,
                                         "Cross-validation inside the survey: each of its walks is scored over a map of the other folds' "
