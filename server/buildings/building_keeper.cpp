@@ -72,6 +72,7 @@ void BuildingKeeper::begin(BuildingId id) {
 void BuildingKeeper::read(BuildingId id, Result<BuildingDatabase*> database) {
   if (!database && database.fault().code == FaultCode::kUnknownBuilding) {  // removed
     shelf_.remove(id);
+    forget(id);
     return done(id, std::nullopt);
   }
   if (!database) return done(id, database.fault());
@@ -151,7 +152,6 @@ Result<void> BuildingKeeper::renew(BuildingDatabase& database, const BuildingRec
 
 void BuildingKeeper::build(BuildingId id, Round round) {
   try {
-    for (const auto& [pipeline, content] : round.live.correctors) note_kept(id, pipeline, content);
     auto live = Building::make(round.record, std::move(round.live), settings_.gate);
     if (!live) return done(id, live.fault());
     if (!round.candidate) {
@@ -170,24 +170,13 @@ void BuildingKeeper::build(BuildingId id, Round round) {
   }
 }
 
-void BuildingKeeper::note_kept(BuildingId id, const std::string& pipeline, const std::string& content) {
-  const std::lock_guard lock(mutex_);
-  kept_[{id, pipeline}] = content;
-}
-
 void BuildingKeeper::prepare(const Building& building) const {
   if (const auto older = shelf_.find(building.record().id)) building.prepare_as(*older);
 }
 
 // Trained once a map version: the next start finds it. A disk that does not take it only costs the training again.
 void BuildingKeeper::keep(const Building& building) {
-  for (const auto& [pipeline, content] : building.learnt()) {
-    {
-      const std::lock_guard lock(mutex_);
-      std::string& kept = kept_[{building.record().id, pipeline}];
-      if (kept == content) continue;
-      kept = content;
-    }
+  for (const auto& [pipeline, content] : building.newly_learnt()) {
     CorrectorRecord corrector{pipeline, building.map_version(), content};
     store_.with_building(building.record().id, [corrector = std::move(corrector)](Result<BuildingDatabase*> database) {
       if (database) static_cast<void>((*database)->keep_corrector(corrector));
@@ -222,6 +211,12 @@ void BuildingKeeper::conclude(BuildingId id, std::shared_ptr<const Building> can
     shelf_.put(promoted ? candidate : live);
     done(id, std::nullopt);
   });
+}
+
+void BuildingKeeper::forget(BuildingId id) {
+  const std::lock_guard lock(mutex_);
+  made_.erase(id);
+  due_.erase(id);
 }
 
 void BuildingKeeper::made_a_version(BuildingId id) {

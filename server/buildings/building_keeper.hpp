@@ -85,7 +85,7 @@ class BuildingKeeper {
                 MapJudgement judgement);
   void made_a_version(BuildingId id);
   void keep(const Building& building);
-  void note_kept(BuildingId id, const std::string& pipeline, const std::string& content);
+  void forget(BuildingId id);
   void prepare(const Building& building) const;
   void done(BuildingId id, std::optional<Fault> fault);
   bool conclude_round(BuildingId id, std::optional<Fault> fault, std::vector<std::function<void()>>& waited);
@@ -101,7 +101,6 @@ class BuildingKeeper {
   std::map<BuildingId, ServerTime> made_;     // when the newest version came by itself
   std::map<BuildingId, ServerTime> due_;      // waiting for their time
   std::map<BuildingId, Fault> failures_;
-  std::map<std::pair<BuildingId, std::string>, std::string> kept_;  // correctors as the store has them
   std::set<BuildingId> once_done_;
   std::uint64_t rebuilds_ = 0;
   bool stopped_ = false;

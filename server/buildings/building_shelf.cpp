@@ -105,11 +105,15 @@ Result<std::shared_ptr<const Building>> Building::make(BuildingRecord record, Ma
 
 std::vector<std::string> Building::remarks() const { return pipeline("").value()->remarks(); }
 
-std::map<std::string, std::string> Building::learnt() const {
+std::map<std::string, std::string> Building::newly_learnt() const {
   std::map<std::string, std::string> learnt;
   const std::lock_guard lock(mutex_);
   for (const auto& [name, factory] : pipelines_) {
-    if (std::string content = factory->learnt(); !content.empty()) learnt.emplace(name, std::move(content));
+    if (!told_.insert(name).second) continue;
+    std::string content = factory->learnt();
+    const auto handed_in = site_->correctors.find(name);
+    const bool known = handed_in != site_->correctors.end() && handed_in->second == content;
+    if (!content.empty() && !known) learnt.emplace(name, std::move(content));
   }
   return learnt;
 }

@@ -55,8 +55,8 @@ class Building {
   void prepare_as(const Building& older) const;
   /// Of the building's own pipeline: what it could not prepare.
   std::vector<std::string> remarks() const;
-  /// What pipelines made so far learnt from the survey, to be kept.
-  std::map<std::string, std::string> learnt() const;
+  /// What pipelines made so far learnt from the survey and the map's material did not hold, by pipeline, to be kept: each is told once.
+  std::map<std::string, std::string> newly_learnt() const;
   /// Points left out of the map, ascending by their index in the survey as stored, and why.
   std::span<const DoubtfulPoint> doubts() const { return doubts_; }
   /// Transmitters this survey knows, ascending; for resolving a session without a building id.
@@ -78,6 +78,7 @@ class Building {
   mutable std::map<std::string, std::shared_ptr<const TrackerFactory>> pipelines_;
   mutable std::map<std::string, Fault> refused_;  // pipelines that cannot be made of this snapshot
   mutable std::set<std::string> being_prepared_;
+  mutable std::set<std::string> told_;            // newly_learnt() has spoken of these pipelines
 };
 
 /// id -> newest snapshot. Shared between threads: one mutex, never held while calling out.

@@ -5,25 +5,16 @@
 
 #include <cmath>
 
-#include "tests/fixtures/scratch_folder.hpp"
-#include "tests/locating/plan.hpp"
+#include "tests/buildings/stored_hall.hpp"
 
 namespace wayfuse {
 namespace {
 
 using ::testing::HasSubstr;
 
-// Building 1 is a hall, 4 m a character. The store has no thread and workers run inline: every round is over when a call returns.
-class KeptBuilding : public testing::Test {
+class KeptBuilding : public StoredHall {
  protected:
-  KeptBuilding() {
-    DatabaseDirectory::Options options;
-    options.own_thread = false;
-    store = DatabaseDirectory::open(folder.path(), options).value();
-    BuildingRecord record;
-    record.name = "Hall";
-    record.pipeline = "nn";
-    store->create_building(record, [&](Result<BuildingRecord> made) { id = made.value().id; });
+  KeptBuilding() : StoredHall("nn", PublicationPolicy::kAutomatic) {
     settings.judge = [this](const Building& candidate, const Building* live, const std::vector<StoredQualityWalk>& walks) {
       ++judged;
       EXPECT_NE(live, nullptr);
@@ -39,18 +30,14 @@ class KeptBuilding : public testing::Test {
     keep();
   }
   void keep() {
-    keeper = std::make_unique<BuildingKeeper>(*store, shelf, [](std::function<void()> task) { task(); }, settings);
+    keeper = std::make_unique<BuildingKeeper>(*store, shelf, run_inline, settings);
   }
 
-  static Plan hall() { return Plan({"A....B....C", "...........", "D....E....F"}, 4.0); }
   void survey(const std::string& key, std::size_t points) {
     SurveyBatch batch{key, hall().survey(1)};
     batch.points.resize(points);
-    store->store(id, batch, [](Result<SurveyAck> ack) { EXPECT_TRUE(ack) << to_string(ack.fault()); });
+    upload(batch);
     keeper->refresh(id);
-  }
-  void on_database(const std::function<void(BuildingDatabase&)>& task) {
-    store->with_building(id, [&](Result<BuildingDatabase*> database) { task(*database.value()); });
   }
   void add_walk() {
     on_database([](BuildingDatabase& database) { EXPECT_TRUE(database.add_quality_walk({"round", "Plan", {}, "recording"})); });
@@ -67,12 +54,8 @@ class KeptBuilding : public testing::Test {
     keeper->refresh(id);
   }
 
-  ScratchFolder folder;
-  std::unique_ptr<DatabaseDirectory> store;
-  BuildingShelf shelf;
   BuildingKeeper::Settings settings;
   std::unique_ptr<BuildingKeeper> keeper;
-  BuildingId id;
   bool publish = true;
   int judged = 0;
 };
@@ -138,7 +121,7 @@ TEST_F(KeptBuilding, AVersionSaysHowLoudItsPhonesHearAndIsMadeFromOneLevel) {
         for (ScanReading& reading : scan.readings) reading.rss_dbm = std::round(reading.rss_dbm) + louder_db;
       }
     }
-    store->store(id, batch, [](Result<SurveyAck> ack) { EXPECT_TRUE(ack) << to_string(ack.fault()); });
+    upload(batch);
   };
   survey_by("Alpha", 0.0, 2);
   survey_by("Beta", 6.0, 2);
@@ -213,11 +196,7 @@ TEST_F(KeptBuilding, AnOlderVersionPromotedByHandHoldsToo) {
 }
 
 TEST_F(KeptBuilding, AReviewedBuildingWaitsForItsOperator) {
-  on_database([](BuildingDatabase& database) {
-    BuildingRecord record = database.building().value();
-    record.publication = PublicationPolicy::kReviewed;
-    EXPECT_TRUE(database.update(record));
-  });
+  change([](BuildingRecord& record) { record.publication = PublicationPolicy::kReviewed; });
   survey("a", 5);
   EXPECT_EQ(live(), 0u);
   EXPECT_TRUE(publications().empty());
@@ -249,12 +228,8 @@ TEST_F(KeptBuilding, DistrustedTransmittersAreLeftOutOfAVersionOfTheirOwn) {
 
 TEST_F(KeptBuilding, ErasedPointsAreGoneFromEveryVersionAndItSaysSo) {
   survey("a", 5);
-  on_database([](BuildingDatabase& database) {
-    BuildingRecord record = database.building().value();
-    record.publication = PublicationPolicy::kReviewed;
-    EXPECT_TRUE(database.update(record));
-    EXPECT_EQ(database.erase({.point_id = 1}).value(), 1u);
-  });
+  change([](BuildingRecord& record) { record.publication = PublicationPolicy::kReviewed; });
+  on_database([](BuildingDatabase& database) { EXPECT_EQ(database.erase({.point_id = 1}).value(), 1u); });
   keeper->refresh(id);
   EXPECT_EQ(live(), 1u);
   EXPECT_EQ(points(), 4u);

@@ -1,10 +1,9 @@
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "server/buildings/building_keeper.hpp"
+#include "tests/fixtures/scratch_folder.hpp"
 
 namespace wayfuse {
 namespace {
@@ -60,15 +59,9 @@ TEST(BuildingGate, AMisplacedPointStaysOutOfTheMapAndIsNamed) {
 class BuildingCorrector : public ::testing::Test {
  protected:
   BuildingCorrector() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "wayfuse-buildings-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     DatabaseDirectory::Options options;
     options.own_thread = false;
-    store_ = *DatabaseDirectory::open(folder_, options);
-  }
-  ~BuildingCorrector() override {
-    store_->close();
-    std::filesystem::remove_all(folder_);
+    store_ = *DatabaseDirectory::open(folder_.path(), options);
   }
 
   BuildingId create(const std::string& pipeline, std::vector<ReferencePoint> survey) {
@@ -90,7 +83,9 @@ class BuildingCorrector : public ::testing::Test {
     return record;
   }
 
-  std::filesystem::path folder_;
+  static std::string learnt(const Building& building) { return (*building.pipeline("p4"))->learnt(); }
+
+  ScratchFolder folder_;
   std::unique_ptr<DatabaseDirectory> store_;
 };
 
@@ -101,14 +96,14 @@ TEST_F(BuildingCorrector, IsStoredWithItsProvenanceAndNotTrainedAgain) {
   EXPECT_TRUE(first->remarks().empty());
   const auto kept = stored(id, "p4");
   ASSERT_TRUE(kept);
-  EXPECT_EQ(kept->content, first->learnt().at("p4"));
+  EXPECT_EQ(kept->content, learnt(*first));
   EXPECT_EQ(kept->survey_version, first->record().survey_version);
   EXPECT_NE(kept->content.find("rmse_after_m"), std::string::npos);
   // A mark in the stored one shows that the next start takes it instead of training.
   auto marked = *kept;
   marked.content.insert(marked.content.find("\"walks\":") + 8, "4");
   store_->with_building(id, [&](Result<BuildingDatabase*> database) { ASSERT_TRUE((*database)->keep_corrector(marked)); });
-  EXPECT_EQ(build(id)->learnt().at("p4"), marked.content);
+  EXPECT_EQ(learnt(*build(id)), marked.content);
 }
 
 TEST_F(BuildingCorrector, OfAPresetThatOnlyASessionAskedForIsKeptToo) {
@@ -116,7 +111,7 @@ TEST_F(BuildingCorrector, OfAPresetThatOnlyASessionAskedForIsKeptToo) {
   BuildingShelf shelf;
   BuildingKeeper keeper(*store_, shelf, [](std::function<void()> task) { task(); });
   keeper.refresh(id);
-  EXPECT_TRUE(shelf.find(id)->learnt().empty()) << "nobody asked for a pipeline that learns";
+  EXPECT_TRUE(shelf.find(id)->prepared() == std::vector<std::string>{"nn"}) << "nobody asked for a pipeline that learns";
   const auto asked = shelf.find(id)->pipeline("p4");
   ASSERT_TRUE(asked);
   EXPECT_TRUE((*asked)->remarks().empty());
@@ -131,8 +126,16 @@ TEST_F(BuildingCorrector, OfAPresetThatOnlyASessionAskedForIsKeptToo) {
   marked.content.insert(marked.content.find("\"walks\":") + 8, "4");
   store_->with_building(id, [&](Result<BuildingDatabase*> database) { ASSERT_TRUE((*database)->keep_corrector(marked)); });
   const auto again = build(id);
-  EXPECT_TRUE(again->learnt().empty());
-  EXPECT_EQ((*again->pipeline("p4"))->learnt(), marked.content);
+  EXPECT_EQ(learnt(*again), marked.content);
+  EXPECT_TRUE(again->newly_learnt().empty()) << "the store has it";
+}
+
+TEST_F(BuildingCorrector, IsHandedOverToBeKeptOnce) {
+  const auto building = *Building::make(record_for("p4"), corridor());
+  const auto told = building->newly_learnt();
+  ASSERT_TRUE(told.contains("p4"));
+  EXPECT_EQ(told.at("p4"), learnt(*building));
+  EXPECT_TRUE(building->newly_learnt().empty());
 }
 
 TEST_F(BuildingCorrector, AnAbsentOneIsSaidByThePresetASessionAskedFor) {
@@ -165,8 +168,8 @@ TEST_F(BuildingCorrector, ABrokenOneIsReplacedAndKeepsNoBuildingFromOpening) {
   });
   const auto again = build(id);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->learnt(), first->learnt());
-  EXPECT_EQ(stored(id, "p4")->content, first->learnt().at("p4"));
+  EXPECT_EQ(learnt(*again), learnt(*first));
+  EXPECT_EQ(stored(id, "p4")->content, learnt(*first));
 }
 
 TEST_F(BuildingCorrector, ThereIsNoneWithoutWalksAndTheBuildingSaysSo) {

@@ -5,38 +5,25 @@
 #include <algorithm>
 
 #include "server/quality/map_gate.hpp"
-#include "tests/fixtures/scratch_folder.hpp"
-#include "tests/locating/plan.hpp"
+#include "tests/buildings/stored_hall.hpp"
 #include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse {
 namespace {
 
-// A hall of 44 x 8 m, 4 m a character, on a store without a thread: every answer is there when a call returns.
-class Desk : public testing::Test {
+class Desk : public StoredHall {
  protected:
-  Desk() {
-    DatabaseDirectory::Options options;
-    options.own_thread = false;
-    store = DatabaseDirectory::open(folder.path(), options).value();
-    BuildingRecord record;
-    record.name = "Hall";
-    record.pipeline = "wknn";
-    record.publication = PublicationPolicy::kReviewed;
-    store->create_building(record, [&](Result<BuildingRecord> made) { id = made.value().id; });
+  Desk() : StoredHall("wknn", PublicationPolicy::kReviewed) {
     const auto now = [this] { return UnixTime(std::chrono::seconds(++second)); };
-    keeper = std::make_unique<BuildingKeeper>(*store, shelf, inline_run, BuildingKeeper::Settings{});
+    keeper = std::make_unique<BuildingKeeper>(*store, shelf, run_inline, BuildingKeeper::Settings{});
     points = std::make_unique<AccessPointDesk>(*store, shelf, now, [this](BuildingId building) { keeper->refresh(building); });
-    desk = std::make_unique<MapDesk>(*store, shelf, *keeper, *points, inline_run, now);
+    desk = std::make_unique<MapDesk>(*store, shelf, *keeper, *points, run_inline, now);
   }
-  static void inline_run(std::function<void()> task) { task(); }
-  static Plan hall() { return Plan({"A....B....C", "...........", "D....E....F"}, 4.0); }
-
   /// A survey; `shifted_m` puts every point that far east of where it was.
   void survey(const std::string& key, double shifted_m = 0.0) {
     SurveyBatch batch{key, hall().survey(1)};
     for (ReferencePoint& point : batch.points) point.place.point.x_m += shifted_m;
-    store->store(id, batch, [](Result<SurveyAck> ack) { EXPECT_TRUE(ack); });
+    upload(batch);
   }
   /// A walk along the middle row with marks at both ends, 1 m a second.
   void add_quality_walk() {
@@ -44,8 +31,8 @@ class Desk : public testing::Test {
     walk.idempotency_key = walk.walk = "truth";
     walk.marks = {{time(0), {{0, 4}, {0}}, 0.0}, {time(40), {{40, 4}, {0}}, 0.0}};
     for (int s = 2; s < 40; s += 2) walk.scans.push_back(hall().scan_at({static_cast<double>(s), 4}, time(s)));
-    store->with_building(id, [&](Result<BuildingDatabase*> database) {
-      EXPECT_TRUE(database.value()->add_quality_walk({"middle", "Plan", {}, encode(ClientMessage(walk), Encoding::kJson)}));
+    on_database([&](BuildingDatabase& database) {
+      EXPECT_TRUE(database.add_quality_walk({"middle", "Plan", {}, encode(ClientMessage(walk), Encoding::kJson)}));
     });
   }
   static PhoneTime time(int second) { return PhoneTime(std::chrono::seconds(second)); }
@@ -66,13 +53,9 @@ class Desk : public testing::Test {
     return *promoted;
   }
 
-  ScratchFolder folder;
-  std::unique_ptr<DatabaseDirectory> store;
-  BuildingShelf shelf;
   std::unique_ptr<BuildingKeeper> keeper;
   std::unique_ptr<AccessPointDesk> points;
   std::unique_ptr<MapDesk> desk;
-  BuildingId id;
   int second = 0;
 };
 
@@ -114,18 +97,14 @@ TEST_F(Desk, FiguresAreMeasuredOnceAndAgainWhenThePipelineChanges) {
   const std::uint64_t version = build();
   const auto measured_at = [&] {
     std::vector<MapQuality> found;
-    store->with_building(id, [&](Result<BuildingDatabase*> database) { found = database.value()->qualities(version).value(); });
+    on_database([&](BuildingDatabase& database) { found = database.qualities(version).value(); });
     EXPECT_EQ(found.size(), 1u);
     return found.at(0).measured_at;
   };
   const UnixTime first = measured_at();
   build();
   EXPECT_EQ(measured_at(), first) << "nothing to measure anew";
-  store->with_building(id, [&](Result<BuildingDatabase*> database) {
-    BuildingRecord record = database.value()->building().value();
-    record.pipeline = "nn";
-    EXPECT_TRUE(database.value()->update(record));
-  });
+  change([](BuildingRecord& record) { record.pipeline = "nn"; });
   build();
   EXPECT_NE(measured_at(), first);
   std::optional<Result<MapComparisonView>> other;
@@ -141,16 +120,12 @@ TEST_F(Desk, FiguresAreMeasuredOnceAndAgainWhenThePipelineChanges) {
 
 TEST_F(Desk, TheGateOfAutomaticMapsHoldsAPoisonedSurveyBack) {
   add_quality_walk();
-  store->with_building(id, [&](Result<BuildingDatabase*> database) {
-    BuildingRecord record = database.value()->building().value();
-    record.publication = PublicationPolicy::kAutomatic;
-    EXPECT_TRUE(database.value()->update(record));
-  });
+  change([](BuildingRecord& record) { record.publication = PublicationPolicy::kAutomatic; });
   BuildingKeeper::Settings settings;
   settings.judge = [](const Building& candidate, const Building* live, const std::vector<StoredQualityWalk>& walks) {
     return judge_map(candidate, live, walks, {});
   };
-  BuildingKeeper gated(*store, shelf, inline_run, settings);
+  BuildingKeeper gated(*store, shelf, run_inline, settings);
   survey("good");
   gated.refresh(id);
   EXPECT_EQ(shelf.find(id)->map_version(), 1u);
@@ -179,11 +154,7 @@ TEST_F(Desk, PromisesAccuracyAndAPlanForTheLiveMap) {
 }
 
 TEST_F(Desk, AnAccessPointThatFellSilentIsPutAsideAndSaysWhereToSurveyAgain) {
-  store->with_building(id, [&](Result<BuildingDatabase*> database) {
-    BuildingRecord record = database.value()->building().value();
-    record.publication = PublicationPolicy::kAutomatic;
-    EXPECT_TRUE(database.value()->update(record));
-  });
+  change([](BuildingRecord& record) { record.publication = PublicationPolicy::kAutomatic; });
   survey("good");
   keeper->refresh(id);
   const Bssid gone{0x1000u + 'B'};
