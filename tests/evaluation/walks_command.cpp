@@ -3,14 +3,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "server/pipeline/pipeline_spec.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/walks/attack_plan.hpp"
+#include "tests/evaluation/walks/measured.hpp"
 #include "tests/evaluation/walks/replay_all.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
 #include "tests/evaluation/walks/socket_replay.hpp"
@@ -26,6 +27,7 @@ struct WalksOptions {
   std::string only;
   std::string split = "test";
   int folds = 0;
+  std::vector<int> score_folds;
   bool chain = false;
   bool direct = false;
   bool socket = false;
@@ -52,50 +54,6 @@ void shift_levels(std::vector<ScoredWalk>& walks, double offset_db) {
   }
 }
 
-using Replay = std::function<Result<std::vector<PipelineRun>>(const ScoredData&, const WalkReplay&)>;
-
-Result<void> attack(const WalksOptions& options, const std::vector<RecordedWalk>& survey, const WalkReplay& way, const ScoredData& data,
-                    const std::vector<PipelineRun>& clean, const Replay& replay, WalksOutcome& outcome) {
-  for (const PipelineRun& run : clean) outcome.alarms.push_back(count_alarms(data, run));
-  for (const AttackedWalks& attacked : attacks_of(options.plan, data, survey)) {
-    std::fprintf(stderr, "attack: %s %s %d\n", attacked.attack.c_str(), attacked.kind.c_str(), attacked.fakes);
-    const auto runs = replay({attacked.walks, attacked.instants}, way);
-    if (!runs) return runs.fault();
-    for (std::size_t r = 0; r < runs->size(); ++r) {
-      if (clean[r].pipeline != "dead-reckoning") outcome.attacks.push_back(score_attack(attacked, (*runs)[r], data, clean[r]));
-    }
-  }
-  return {};
-}
-
-// The same walks over a map with misplaced points, with the gate before it and without; and over the clean one without the gate.
-Result<void> poison(const WalksOptions& options, const RecordedSite& site, const std::vector<RecordedWalk>& survey, const ScoredData& data,
-                    const Replay& replay, WalksOutcome& outcome) {
-  struct Case { double points, walks; bool gate; };
-  const AttackPlan& plan = options.plan;
-  for (const Case& each : {Case{0, 0, true}, Case{0, 0, false}, Case{plan.poison, plan.poison_walks, true}, Case{plan.poison, plan.poison_walks, false}}) {
-    std::fprintf(stderr, "survey with %.0f %% of its points and %.0f %% of its walks misplaced, gate %s\n", 100 * each.points, 100 * each.walks,
-                 each.gate ? "on" : "off");
-    SurveyPoison spoil(survey, each.points, each.walks, options.seed);
-    auto session = SessionReplay::create(site, survey, {std::ref(spoil), each.gate});
-    if (!session) return session.fault();
-    DirectReplay direct((*session)->site());
-    for (const std::string& name : options.pipelines) {
-      const auto prepared = options.direct || name == "dead-reckoning" ? direct.prepare(name) : (*session)->prepare(name);
-      if (!prepared) return prepared.fault();
-    }
-    const auto runs = replay(data, options.direct ? static_cast<const WalkReplay&>(direct) : **session);
-    if (!runs) return runs.fault();
-    for (const PipelineRun& run : *runs) {
-      if (run.pipeline == "dead-reckoning") continue;
-      const ScoreRow row = score(data, run, Scope::kAll, nullptr, options.seed);
-      outcome.poisons.push_back({run.pipeline, each.points, each.walks, each.gate, spoil.moved().size(), (*session)->doubts().size(),
-                                 spoil.among((*session)->doubts()), row.error.p75, row.error.p95, row.error.mean});
-    }
-  }
-  return {};
-}
-
 /// A site surveyed with some of its walks, and the ways the others take through it.
 struct Surveyed {
   std::unique_ptr<SessionReplay> session;
@@ -108,9 +66,10 @@ struct Surveyed {
   }
 };
 
-Result<Surveyed> survey_with(const WalksOptions& options, const RecordedSite& site, const std::vector<RecordedWalk>& walks) {
+Result<Surveyed> survey_with(const WalksOptions& options, const RecordedSite& site, const std::vector<RecordedWalk>& walks,
+                             const SessionReplay::Survey& how = {{}, true}) {
   std::fprintf(stderr, "uploading the survey: %zu walks\n", walks.size());
-  auto session = SessionReplay::create(site, walks);
+  auto session = SessionReplay::create(site, walks, how);
   if (!session) return session.fault();
   Surveyed surveyed{*std::move(session), nullptr, nullptr};
   surveyed.direct = std::make_unique<DirectReplay>(surveyed.session->site());
@@ -142,19 +101,92 @@ std::vector<std::vector<Instant>> instants_of_all(const std::vector<ScoredWalk>&
   return instants;
 }
 
-WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, const ScoredData& data, const std::vector<PipelineRun>& runs) {
-  WalksOutcome outcome = summarise_walks(data, runs, site, options.seed);
+Result<std::vector<PipelineRun>> track(const WalksOptions& options, const Surveyed& surveyed, const ScoredData& data) {
+  return replay_all({options.pipelines, options.seed, options.threads}, surveyed.usual(options), *surveyed.direct, data);
+}
+
+// What they sensed is not needed once they are tracked, and 443 walks of it are many.
+void forget_sensors(AttackedWalks& attacked) {
+  for (ScoredWalk& scored : attacked.walks) {
+    RecordedWalk& walk = scored.walk;
+    walk.motion = {}, walk.attitudes = {}, walk.scans = {};
+  }
+}
+
+Result<void> attack(const WalksOptions& options, const std::vector<RecordedWalk>& survey, const Surveyed& surveyed, Measured& measured) {
+  for (AttackedWalks& attacked : attacks_of(options.plan, measured.data(), survey)) {
+    std::fprintf(stderr, "attack: %s %s %d\n", attacked.attack.c_str(), attacked.kind.c_str(), attacked.fakes);
+    auto runs = track(options, surveyed, {attacked.walks, attacked.instants});
+    if (!runs) return runs.fault();
+    Measured::Attacked done{{}, *std::move(runs), {}};
+    if (attacked.attack == "kidnap") {
+      auto there = track(options, surveyed, {switched_on(attacked), attacked.instants});
+      if (!there) return there.fault();
+      done.switched_on = *std::move(there);
+    }
+    forget_sensors(attacked);
+    done.walks = std::move(attacked);
+    measured.attacked.push_back(std::move(done));
+  }
+  return {};
+}
+
+// The same walks over a map with misplaced points, with the gate before it and without; and over the clean one without the gate.
+Result<void> poison(WalksOptions options, const RecordedSite& site, const std::vector<RecordedWalk>& survey, Measured& measured) {
+  options.socket = false;  // the gate is left out in process only
+  struct Case { double points, walks; bool gate; };
+  const AttackPlan& plan = options.plan;
+  for (const Case& each : {Case{0, 0, true}, Case{0, 0, false}, Case{plan.poison, plan.poison_walks, true}, Case{plan.poison, plan.poison_walks, false}}) {
+    std::fprintf(stderr, "survey with %.0f %% of its points and %.0f %% of its walks misplaced, gate %s\n", 100 * each.points, 100 * each.walks,
+                 each.gate ? "on" : "off");
+    SurveyPoison spoil(survey, each.points, each.walks, options.seed);
+    const auto surveyed = survey_with(options, site, survey, {std::ref(spoil), each.gate});
+    if (!surveyed) return surveyed.fault();
+    auto runs = track(options, *surveyed, measured.data());
+    if (!runs) return runs.fault();
+    PoisonRow counts{{}, each.points, each.walks, each.gate};
+    const auto doubts = surveyed->session->doubts();
+    counts.misplaced = spoil.moved().size(), counts.doubted = doubts.size(), counts.doubted_rightly = spoil.among(doubts);
+    measured.poisoned.push_back({counts, *std::move(runs)});
+  }
+  return {};
+}
+
+Result<Measured> measure_over(const WalksOptions& options, const RecordedSite& site, Selection selection) {
+  Measured measured;
+  measured.instants = instants_of_all(selection.scored, SurveyCover(selection.survey));
+  measured.walks = std::move(selection.scored);
+  const auto surveyed = survey_with(options, site, selection.survey);
+  if (!surveyed) return surveyed.fault();
+  measured.survey_walks = selection.survey.size();
+  measured.survey_points = surveyed->session->site()->survey.size();
+  auto runs = track(options, *surveyed, measured.data());
+  if (!runs) return runs.fault();
+  measured.runs = *std::move(runs);
+  if (const auto attacked = attack(options, selection.survey, *surveyed, measured); !attacked) return attacked.fault();
+  if (!options.plan.poisons()) return measured;
+  if (const auto poisoned = poison(options, site, selection.survey, measured); !poisoned) return poisoned.fault();
+  return measured;
+}
+
+WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, const Measured& measured) {
+  WalksOutcome outcome = summarise_walks(measured.data(), measured.runs, site, options.seed);
   outcome.data = site.name;
   outcome.split = options.only.empty() ? options.split : "only";
   if (options.folds > 0) outcome.split = "folds " + std::to_string(options.folds);
+  for (const int fold : options.score_folds) outcome.split += (fold == options.score_folds.front() ? ": " : ", ") + std::to_string(fold);
   outcome.chain = options.chain;
   outcome.rss_offset_db = options.rss_offset_db;
+  outcome.survey_walks = measured.survey_walks / measured.maps;
+  outcome.survey_points = measured.survey_points / measured.maps;
+  judge_attacks(measured, options.seed, outcome);
   return outcome;
 }
 
-int publish(const WalksOptions& options, const WalksOutcome& outcome) {
+int publish(const WalksOptions& options, const WalksOutcome& outcome, const Measured& measured, const RecordedSite& site, const SurveyCover* cover) {
   if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
   std::printf("%s", walks_table(outcome).c_str());
+  if (!options.report.empty()) write_walks_report(options.report, outcome, measured.data(), measured.runs, site, cover);
   if (options.json.empty()) return 0;
   std::ofstream out(options.json, std::ios::binary);
   out << walks_json(outcome);
@@ -163,39 +195,19 @@ int publish(const WalksOptions& options, const WalksOutcome& outcome) {
 
 // Every survey walk is scored once, over a map of the walks outside its fold; what comes out is one table over all of them.
 int measure_folds(const WalksOptions& options, const RecordedSite& site) {
-  std::vector<ScoredWalk> walks;
-  std::vector<std::vector<Instant>> instants;
-  std::vector<PipelineRun> runs;
-  std::size_t survey_walks = 0, survey_points = 0;
+  std::optional<Measured> all;
   for (int fold = 0; fold < options.folds; ++fold) {
-    std::fprintf(stderr, "fold %d of %d\n", fold + 1, options.folds);
+    if (!options.score_folds.empty() && std::ranges::find(options.score_folds, fold) == options.score_folds.end()) continue;
+    std::fprintf(stderr, "fold %d of 0..%d\n", fold, options.folds - 1);
     auto selection = select(options, site, {.chain = options.chain, .only = {}, .folds = options.folds, .fold = fold});
     if (!selection) return complain(selection.fault());
-    auto of_fold = instants_of_all(selection->scored, SurveyCover(selection->survey));
-    const auto surveyed = survey_with(options, site, selection->survey);
-    if (!surveyed) return complain(surveyed.fault());
-    auto replayed = replay_all({options.pipelines, options.seed, options.threads}, surveyed->usual(options), *surveyed->direct,
-                               {selection->scored, of_fold});
-    if (!replayed) return complain(replayed.fault());
-    if (runs.empty()) runs.resize(replayed->size());
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-      PipelineRun& run = (*replayed)[r];
-      runs[r].pipeline = run.pipeline;
-      runs[r].path = run.path;
-      std::ranges::move(run.walks, std::back_inserter(runs[r].walks));
-      std::ranges::move(run.first_fix_s, std::back_inserter(runs[r].first_fix_s));
-    }
-    std::ranges::move(selection->scored, std::back_inserter(walks));
-    std::ranges::move(of_fold, std::back_inserter(instants));
-    survey_walks += selection->survey.size();
-    survey_points += surveyed->session->site()->survey.size();
+    auto measured = measure_over(options, site, *std::move(selection));
+    if (!measured) return complain(measured.fault());
+    if (all) all->append(*std::move(measured));
+    else all = *std::move(measured);
   }
-  const ScoredData data{walks, instants};
-  WalksOutcome outcome = outcome_of(options, site, data, runs);
-  outcome.survey_walks = survey_walks / static_cast<std::size_t>(options.folds);
-  outcome.survey_points = survey_points / static_cast<std::size_t>(options.folds);
-  for (const PipelineRun& run : runs) outcome.alarms.push_back(count_alarms(data, run));
-  return publish(options, outcome);
+  if (!all) return complain({FaultCode::kOutOfRange, "--score-folds", "none of them is below --folds"});
+  return publish(options, outcome_of(options, site, *all), *all, site, nullptr);
 }
 
 int measure_walks(const WalksOptions& options) {
@@ -209,31 +221,12 @@ int measure_walks(const WalksOptions& options) {
     if (!ids) return complain(ids.fault());
     selecting.only = *std::move(ids);
   }
-  const auto selection = select(options, *site, selecting);
+  auto selection = select(options, *site, selecting);
   if (!selection) return complain(selection.fault());
   const SurveyCover cover(selection->survey);
-  const auto instants = instants_of_all(selection->scored, cover);
-  const ScoredData data{selection->scored, instants};
-  const auto surveyed = survey_with(options, *site, selection->survey);
-  if (!surveyed) return complain(surveyed.fault());
-  const auto replay = [&](const ScoredData& walks, const WalkReplay& way) {
-    return replay_all({options.pipelines, options.seed, options.threads}, way, *surveyed->direct, walks);
-  };
-  const auto runs = replay(data, surveyed->usual(options));
-  if (!runs) return complain(runs.fault());
-
-  WalksOutcome outcome = outcome_of(options, *site, data, *runs);
-  outcome.survey_walks = selection->survey.size();
-  outcome.survey_points = surveyed->session->site()->survey.size();
-  const auto attacked = attack(options, selection->survey, surveyed->usual(options), data, *runs, replay, outcome);
-  if (!attacked) return complain(attacked.fault());
-  if (options.plan.poisons()) {
-    const auto done = poison(options, *site, selection->survey, data, replay, outcome);
-    if (!done) return complain(done.fault());
-  }
-  if (const int failed = publish(options, outcome); failed != 0) return failed;
-  if (!options.report.empty()) write_walks_report(options.report, outcome, data, *runs, *site, cover);
-  return 0;
+  const auto measured = measure_over(options, *site, *std::move(selection));
+  if (!measured) return complain(measured.fault());
+  return publish(options, outcome_of(options, *site, *measured), *measured, *site, &cover);
 }
 
 }  // namespace
@@ -252,12 +245,17 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
   CLI::Option* split = add_split_option(*command, options->split);
   CLI::Option* folds = command
-                           ->add_option("--folds", options->folds,
-                                        "Cross-validation inside the survey: each of its walks is scored over a map of the other folds' "
-                                        "walks; test walks are not touched")
-                           ->check(CLI::Range(2, 100))
-                           ->excludes(only)
-                           ->excludes(split);
+      ->add_option("--folds", options->folds,
+                   "Cross-validation inside the survey: each of its walks is scored over a map of the other folds' walks; test walks are "
+                   "not touched")
+      ->check(CLI::Range(2, 100))
+      ->excludes(only)
+      ->excludes(split);
+  command
+      ->add_option("--score-folds", options->score_folds, "These folds only, counted from 0: choose on some of them, confirm on the others")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 99))
+      ->needs(folds);
   command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
   command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")
       ->capture_default_str();
@@ -270,9 +268,8 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->excludes("--direct");
   command->add_option("--server", options->server, "The wayfused program for --socket")->capture_default_str();
   add_attack_options(*command, options->plan);
-  for (const char* attack : {"--fakes", "--replay-attack", "--kidnap", "--poison", "--poison-walks"}) folds->excludes(command->get_option(attack));
   command->add_option("--json", options->json, "Write the figures to this file");
-  folds->excludes(command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder"));
+  command->add_option("--report", options->report, "Write report.md, walks.csv and pictures into this folder");
   command->callback([options, &chosen] { chosen = [options] { return measure_walks(*options); }; });
 }
 

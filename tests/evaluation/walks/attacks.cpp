@@ -89,7 +89,7 @@ RecordedWalk part_of(const RecordedWalk& walk, PhoneTime from, PhoneTime to, Dur
   return part;
 }
 
-std::vector<double> errors_from(const ScoredWalk&, const std::vector<Instant>& instants, const Answers& answers, PhoneTime from) {
+std::vector<double> errors_from(const std::vector<Instant>& instants, const Answers& answers, PhoneTime from) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < instants.size(); ++i) {
     if (instants[i].time >= from && answers[i]) errors.push_back(distance_m(answers[i]->place.point, instants[i].truth.point));
@@ -111,6 +111,11 @@ std::optional<double> error_by(const std::vector<Instant>& instants, const Answe
 
 double p(std::vector<double> values, double share) {
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : percentile(values, share);
+}
+
+double share_within_10m(const std::vector<double>& errors_m) {
+  if (errors_m.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(std::ranges::count_if(errors_m, [](double error_m) { return error_m < 10.0; })) / static_cast<double>(errors_m.size());
 }
 
 }  // namespace
@@ -204,6 +209,15 @@ AttackedWalks kidnapped(const ScoredData& data, bool mid) {
   return attacked;
 }
 
+std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped) {
+  std::vector<ScoredWalk> walks;
+  for (std::size_t w = 0; w < kidnapped.walks.size(); ++w) {
+    const ScoredWalk& carried = kidnapped.walks[w];
+    walks.push_back({part_of(carried.walk, *kidnapped.began[w], PhoneTime::max(), Duration{0}), {carried.walk.id}});
+  }
+  return walks;
+}
+
 AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, const ScoredData& data, const PipelineRun& clean) {
   AttackRow row{run.pipeline, attacked.attack, attacked.kind, attacked.fakes};
   std::vector<double> errors, clean_errors, at15, clean_at15;
@@ -218,24 +232,20 @@ AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, co
       seen = seen || (soon && run.walks[w][i] && run.walks[w][i]->integrity == Integrity::kSuspect);
     }
     flagged += seen;
-    std::ranges::copy(errors_from(attacked.walks[w], instants, run.walks[w], *attacked.began[w]), std::back_inserter(errors));
+    std::ranges::copy(errors_from(instants, run.walks[w], *attacked.began[w]), std::back_inserter(errors));
     if (const auto error = error_by(instants, run.walks[w], *attacked.began[w], kBackWithin)) at15.push_back(*error);
     // Its unattacked self: the same walk, found by its id.
     const auto self = std::ranges::find(data.walks, attacked.walks[w].walk.id, [](const ScoredWalk& walk) { return walk.walk.id; });
     const auto s = static_cast<std::size_t>(self - data.walks.begin());
-    const auto& own = data.instants[s];
-    const PhoneTime own_from = own[own.size() - std::min(own.size(), instants.size())].time;
-    const PhoneTime from = attacked.attack == "kidnap" ? own_from : *attacked.began[w];
-    std::ranges::copy(errors_from(data.walks[s], own, clean.walks[s], from), std::back_inserter(clean_errors));
-    if (const auto error = error_by(own, clean.walks[s], from, kBackWithin)) clean_at15.push_back(*error);
+    std::ranges::copy(errors_from(data.instants[s], clean.walks[s], *attacked.began[w]), std::back_inserter(clean_errors));
+    if (const auto error = error_by(data.instants[s], clean.walks[s], *attacked.began[w], kBackWithin)) clean_at15.push_back(*error);
   }
   row.instants = errors.size();
   row.flagged = row.walks == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(flagged) / static_cast<double>(row.walks);
   row.p75_m = p(errors, 0.75), row.p95_m = p(errors, 0.95);
   row.clean_p75_m = p(clean_errors, 0.75), row.clean_p95_m = p(clean_errors, 0.95);
   row.p95_15s_m = p(at15, 0.95), row.clean_p95_15s_m = p(clean_at15, 0.95);
-  row.within10_15s = at15.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                  : static_cast<double>(std::ranges::count_if(at15, [](double e) { return e < 10.0; })) / static_cast<double>(at15.size());
+  row.within10_15s = share_within_10m(at15), row.clean_within10_15s = share_within_10m(clean_at15);
   return row;
 }
 

@@ -51,6 +51,8 @@ AttackedWalks with_replay(const ScoredData& data, bool live, double from_s);
 /// A phone is tracked on one walk, is dead for two seconds and goes on elsewhere: after 20 s at the beginning of another walk
 /// (`start`), or half-way at the other's middle (`mid`). The other walk begins at least 30 m away or on another floor.
 AttackedWalks kidnapped(const ScoredData& data, bool mid);
+/// The same from where they were carried to on, in their order: phones switched on there, which know of no earlier walk.
+std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped);
 
 /// What came of an attack on one pipeline, the same instants with and without it.
 struct AttackRow {
@@ -60,11 +62,13 @@ struct AttackRow {
   std::size_t instants = 0;       ///< from the attack on
   double flagged = 0.0;           ///< share of the walks that were `suspect` at an instant within 5 s
   double p75_m = 0.0, p95_m = 0.0;
-  double clean_p75_m = 0.0, clean_p95_m = 0.0;  ///< unattacked; kidnapped: the second walk from its start, unknown to all
+  double clean_p75_m = 0.0, clean_p95_m = 0.0;  ///< unattacked; kidnapped: switched on there
   double within10_15s = 0.0;      ///< kidnapped: share of the walks nearer than 10 m at the last instant by 15 s
   double p95_15s_m = 0.0;         ///< kidnapped: p95 over walks of the error then
-  double clean_p95_15s_m = 0.0;   ///< the same for a phone that begins there
+  double clean_within10_15s = 0.0, clean_p95_15s_m = 0.0;   ///< the same for phones switched on there
 };
+/// `data` and `clean`: the same walks unattacked, found by their ids, and how `run`'s pipeline did on them; of kidnapped phones, those
+/// switched on where they were carried to.
 AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, const ScoredData& data, const PipelineRun& clean);
 
 /// How often honest walks raise an alarm.

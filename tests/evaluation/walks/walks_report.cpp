@@ -172,7 +172,7 @@ std::vector<std::pair<std::string, std::size_t>> telling_walks(const ScoredData&
 }  // namespace
 
 void write_walks_report(const std::string& folder, const WalksOutcome& outcome, const ScoredData& data,
-                        const std::vector<PipelineRun>& runs, const RecordedSite& site, const SurveyCover& cover) {
+                        const std::vector<PipelineRun>& runs, const RecordedSite& site, const SurveyCover* cover) {
   const fs::path root = folder;
   fs::create_directories(root);
   std::string md = "# Walks of " + site.name + "\n\n" + std::to_string(data.walks.size()) +
@@ -199,10 +199,11 @@ void write_walks_report(const std::string& folder, const WalksOutcome& outcome, 
     write_file(root / file, walk_picture(data, runs, w, site));
     md += "\n" + name + " under " + runs.back().pipeline + ":\n\n![" + data.walks[w].walk.id + "](" + file + ")\n";
   }
-  md += "\n## Coverage\n";
+  if (cover) md += "\n## Coverage\n";
   for (const Floor& floor : site.floors) {
+    if (!cover) break;
     const std::string file = "coverage_" + floor.label + ".svg";
-    write_file(root / file, coverage_picture(data, floor, cover));
+    write_file(root / file, coverage_picture(data, floor, *cover));
     md += "\n![Floor " + floor.label + "](" + file + ")\n";
   }
   write_file(root / "report.md", md);

@@ -48,9 +48,9 @@ std::string attacks_json(const WalksOutcome& outcome);
 std::string attacks_table(const WalksOutcome& outcome);
 /// The table people read on a terminal.
 std::string walks_table(const WalksOutcome& outcome);
-/// report.md, walks.csv and the pictures, into a folder that is made if need be. Throws std::runtime_error if it cannot be
-/// written.
+/// report.md, walks.csv and the pictures, into a folder that is made if need be; no pictures of the coverage without one `cover` of
+/// all walks. Throws std::runtime_error if it cannot be written.
 void write_walks_report(const std::string& folder, const WalksOutcome& outcome, const ScoredData& data,
-                        const std::vector<PipelineRun>& runs, const RecordedSite& site, const SurveyCover& cover);
+                        const std::vector<PipelineRun>& runs, const RecordedSite& site, const SurveyCover* cover);
 
 }  // namespace wayfuse
