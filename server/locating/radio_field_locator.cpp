@@ -226,18 +226,26 @@ int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) cons
 }
 
 // Where nobody surveyed, strong radios are not at home around any match: that is the survey's fault, not theirs. But wherever that is,
-// radios from close by are close to each other.
+// radios from close by are close to each other, and to the phone.
 int RadioFieldLocator::out_of_place(FloorOrdinal floor, BuildingPoint point) const {
-  const int apart = apart_from_each_other();
+  const int apart = std::max(apart_from_each_other(), far_from_home(point));
   if (mismatch_ > kFitsNothing) return apart;
   const int unknown = static_cast<int>(std::ranges::count(strong_, std::optional<std::uint32_t>{}));
   return std::max(mismatch_ < kFitsWell ? implausible(floor, point) : unknown + misplaced_, unknown + apart);
 }
 
+bool RadioFieldLocator::settled(const std::optional<std::uint32_t>& radio) const {
+  return radio && field_->home(*radio).strength >= field_->settings().strength.of(kAtHomeDbm, 0.0);
+}
+
+// Of the strong radios with a home: how many live too far from here to be heard from close by.
+int RadioFieldLocator::far_from_home(BuildingPoint point) const {
+  return static_cast<int>(std::ranges::count_if(
+      strong_, [&](const auto& radio) { return settled(radio) && distance_m(field_->home(*radio).place.point, point) > kNeighbours_m; }));
+}
+
 // Of the strong radios with a home: how many are not of the largest group that can be neighbours.
 int RadioFieldLocator::apart_from_each_other() const {
-  const float loud = field_->settings().strength.of(kAtHomeDbm, 0.0);
-  const auto settled = [&](const std::optional<std::uint32_t>& radio) { return radio && field_->home(*radio).strength >= loud; };
   std::ptrdiff_t largest = 0;
   for (const auto& radio : strong_) {
     if (!settled(radio)) continue;
@@ -246,7 +254,7 @@ int RadioFieldLocator::apart_from_each_other() const {
       return settled(other) && distance_m(field_->home(*other).place.point, home) <= kNeighbours_m;
     }));
   }
-  return static_cast<int>(std::ranges::count_if(strong_, settled) - largest);
+  return static_cast<int>(std::ranges::count_if(strong_, [&](const auto& radio) { return settled(radio); }) - largest);
 }
 
 std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoint point) const {

@@ -41,6 +41,8 @@ class RadioFieldLocator final : public Locator {
   bool listen(const RssScan& scan);
   void leave_out_misplaced();
   int apart_from_each_other() const;
+  int far_from_home(BuildingPoint point) const;
+  bool settled(const std::optional<std::uint32_t>& radio) const;
   void vote();
   const RadioField::Storey* storey(FloorOrdinal floor) const;
   float node(const RadioField::Storey& storey, int column, int row) const;

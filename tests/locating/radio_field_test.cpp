@@ -157,6 +157,7 @@ TEST(RadioField, RadiosHeardFromCloseByLiveCloseToEachOther) {
   EXPECT_EQ(out_of_place(1, 1, 1), 0);
   EXPECT_EQ(out_of_place(1, 1, 2), 1);
   EXPECT_EQ(out_of_place(0, 1, 2), 2);
+  EXPECT_EQ(out_of_place(2, 2, 2), 3) << "together, but 70 m from the phone";
 }
 
 TEST_F(RadioFieldCorridor, NothingKnownIsNoFix) {
