@@ -245,19 +245,28 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
 bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
   const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
   if (second_.hear(*locator_, first, carried, echo(), random_)) {
-    if (second_.floor() != *floor_) {
-      const auto votes = locator_->floors();
-      floors_.assign(votes.begin(), votes.end());
-      floor_ = floors_.front().floor;
-    }
-    cloud_ = second_.take();
-    cloud_.enter(parts_->walkable.plan(*floor_));
+    FloorOrdinal floor = *floor_;
+    second_.change_places(cloud_, floor);
+    stand_on(floor);
     return true;
   }
   if (second_.begun() || !contradicted_) return false;
   const FloorOrdinal there = locator_->floors().front().floor;
   second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
   return false;
+}
+
+// Where the winner stands, whatever floor the newest scan votes for: it won by several, and its walkers are there.
+void FieldTracker::stand_on(FloorOrdinal floor) {
+  if (floor != *floor_) {
+    const auto votes = locator_->floors();
+    floors_.assign(votes.begin(), votes.end());
+    const auto own = std::ranges::find(floors_, floor, &FloorProbability::floor);
+    if (own != floors_.end()) std::swap(own->probability, floors_.front().probability);
+    most_probable_first(floors_);
+    floor_ = floor;
+  }
+  cloud_.enter(parts_->walkable.plan(floor));
 }
 
 // Scan after scan speaks for another place than the cloud's [SAFETY C16].

@@ -1,6 +1,7 @@
 #include "server/pipeline/second_opinion.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace wayfuse {
 namespace {
@@ -14,6 +15,7 @@ constexpr double kFitsNothing = 2.5;
 constexpr double kMostOfAScan = 8.0;       // log Bayes factor: no scan is surer than that
 constexpr double kWins = 1.6;
 constexpr double kLoses = -1.0;
+constexpr double kLosesForGood = -4.0;     // who was the track before it lost: scans in a row err alike, and may right themselves
 constexpr int kScans = 8;                  // undecided by then, there is nothing to decide
 constexpr double kSame_m = 8.0;            // both speak for one place
 
@@ -25,7 +27,7 @@ bool SecondOpinion::contradicts(double misfit, double mismatch) {
 
 void SecondOpinion::begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan,
                           BuildingPoint carried, const CompassPrior& compass, Random& random) {
-  rival_ = std::make_unique<Rival>(Rival{WalkerCloud(settings), floor});
+  rival_ = std::make_unique<Rival>(Rival{WalkerCloud(settings), floor, 0.0, 0, false});
   rival_->cloud.enter(plan);
   rival_->cloud.start_from(locator, floor, carried, compass, random);
   if (!rival_->cloud.started()) drop();
@@ -39,17 +41,20 @@ bool SecondOpinion::hear(const Locator& locator, const First& first, BuildingPoi
   if (!rival_) return false;
   const double ahead = rival_->cloud.weigh(locator, rival_->floor, carried, echo).log_evidence - first.log_evidence;
   rival_->cloud.settle(random);
-  rival_->lead += (1.0 - echo) * std::clamp(ahead, -kMostOfAScan, first.contradicted ? kMostOfAScan : 0.0);
+  const bool may_gain = first.contradicted || rival_->unseated;
+  rival_->lead += (1.0 - echo) * std::clamp(ahead, -kMostOfAScan, may_gain ? kMostOfAScan : 0.0);
   if (rival_->lead >= kWins) return true;
   const bool same = first.floor == rival_->floor && distance_m(first.mean, rival_->cloud.spread().mean) < kSame_m;
-  if (same || rival_->lead <= kLoses || ++rival_->heard >= kScans) drop();
+  if (same || rival_->lead <= (rival_->unseated ? kLosesForGood : kLoses) || ++rival_->heard >= kScans) drop();
   return false;
 }
 
-WalkerCloud SecondOpinion::take() {
-  WalkerCloud taken = std::move(rival_->cloud);
-  drop();
-  return taken;
+void SecondOpinion::change_places(WalkerCloud& track, FloorOrdinal& floor) {
+  std::swap(track, rival_->cloud);
+  std::swap(floor, rival_->floor);
+  rival_->lead = 0.0;
+  rival_->heard = 0;
+  rival_->unseated = true;
 }
 
 }  // namespace wayfuse

@@ -9,8 +9,9 @@ namespace wayfuse {
 /// A rival to a track that a scan contradicts: a cloud begun from that scan, walking and hearing beside the first.
 ///
 /// Which of the two foretells the following scans better takes the track: a Bayes factor, each scan counted for what it does not
-/// repeat of the last. A lost track is left in one piece, its place found from several scans together. There is none, and it costs
-/// nothing, while scans agree with the track. Thread: confined to one session.
+/// repeat of the last. A lost track is left in one piece, its place found from several scans together. Who loses is heard on for a
+/// while, and takes a hasty verdict back. There is none, and it costs nothing, while scans agree with the track. Thread: confined to
+/// one session.
 class SecondOpinion {
  public:
   SecondOpinion() = default;
@@ -20,8 +21,6 @@ class SecondOpinion {
   static bool contradicts(double misfit, double mismatch);
 
   bool begun() const { return rival_ != nullptr; }
-  /// Of the second, where begun(), as is take().
-  FloorOrdinal floor() const { return rival_->floor; }
   /// From the locator's newest scan; stays unbegun when it cannot say.
   void begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan, BuildingPoint carried,
              const CompassPrior& compass, Random& random);
@@ -33,10 +32,11 @@ class SecondOpinion {
     BuildingPoint mean;
     FloorOrdinal floor;
   };
-  /// The newest scan, heard by both. True: the second is to be taken.
+  /// The newest scan, heard by both. True: change_places() is due.
   bool hear(const Locator& locator, const First& first, BuildingPoint carried, double echo, Random& random);
   void drop() { rival_.reset(); }
-  WalkerCloud take();
+  /// Where begun(). The second becomes the track, and the track, with the floor it is on, the second.
+  void change_places(WalkerCloud& track, FloorOrdinal& floor);
 
  private:
   struct Rival {
@@ -44,6 +44,7 @@ class SecondOpinion {
     FloorOrdinal floor;
     double lead = 0.0;             ///< log Bayes factor, above 0: the second foretells better
     int heard = 0;
+    bool unseated = false;         ///< it was the track before
   };
   std::unique_ptr<Rival> rival_;   // a session that needs none pays a pointer
 };

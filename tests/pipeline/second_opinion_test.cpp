@@ -35,21 +35,39 @@ class Beacon final : public Locator {
 
 class SecondOpinionAbout : public testing::Test {
  protected:
-  SecondOpinionAbout() { second_.begin(WalkerSettings{}, there_, FloorOrdinal{0}, nullptr, {}, {}, random_); }
+  SecondOpinionAbout() : track_(WalkerSettings{}) {
+    second_.begin(WalkerSettings{}, there_, FloorOrdinal{0}, nullptr, {}, {}, random_);
+    track_.start_about({-60.0, 0.0}, 3.0, {}, random_);
+  }
   bool hear(double log_evidence, bool contradicted = true, BuildingPoint mean = {-60.0, 0.0}) {
     return second_.hear(there_, {log_evidence, contradicted, mean, FloorOrdinal{0}}, {}, kEcho, random_);
   }
   Beacon there_{{40.0, 0.0}};
   Random random_{1};
   SecondOpinion second_;
+  WalkerCloud track_;
 };
 
-TEST_F(SecondOpinionAbout, ATrackThatForetellsNothingIsTaken) {
+TEST_F(SecondOpinionAbout, ATrackThatForetellsNothingLosesItsPlace) {
   ASSERT_TRUE(second_.begun());
   EXPECT_TRUE(hear(-30.0));
-  const WalkerCloud taken = second_.take();
-  EXPECT_LT(distance_m(taken.spread().mean, {40.0, 0.0}), 2.0);
-  EXPECT_FALSE(second_.begun());
+  FloorOrdinal floor{3};
+  second_.change_places(track_, floor);
+  EXPECT_LT(distance_m(track_.spread().mean, {40.0, 0.0}), 2.0);
+  EXPECT_EQ(floor, FloorOrdinal{0});
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(hear(-1.0, false, {40.0, 0.0}));
+  EXPECT_FALSE(second_.begun()) << "who lost foretells nothing either";
+}
+
+TEST_F(SecondOpinionAbout, WhoLostByScansThatErredAlikeTakesTheVerdictBack) {
+  ASSERT_TRUE(hear(-30.0));
+  FloorOrdinal floor{0};
+  second_.change_places(track_, floor);
+  ASSERT_TRUE(second_.begun());
+  Beacon here({-60.0, 0.0});  // the scans are themselves again, and agree with who they took for the track
+  EXPECT_TRUE(second_.hear(here, {-30.0, false, {40.0, 0.0}, FloorOrdinal{0}}, {}, kEcho, random_));
+  second_.change_places(track_, floor);
+  EXPECT_LT(distance_m(track_.spread().mean, {-60.0, 0.0}), 3.0);
 }
 
 TEST_F(SecondOpinionAbout, ATrackALittleWorseTakesSeveralScans) {
