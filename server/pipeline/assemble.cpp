@@ -182,7 +182,7 @@ void choose_rules(const Assembly& spec, PipelineParts& parts) {
   parts.floor = {floor.settings["memory"], floor.settings["margin"]};
   if (const Chosen heading = spec.chosen("heading"); heading.part == "track-kalman") {
     parts.track_heading = true;
-    parts.heading = {heading.settings["turn_sigma_rad_rts"], heading.settings["track_sigma_m"]};
+    parts.heading = {heading.settings["turn_sigma_rad_rts"], heading.settings["track_sigma_m"], heading.settings["piece_m"]};
   }
   const Chosen recovery = spec.chosen("recovery");
   parts.recovery.restart = recovery.part == "restart";

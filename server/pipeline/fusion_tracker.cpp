@@ -15,7 +15,6 @@ namespace {
 constexpr double kPauseS = 5.0;          // without reports for longer, the walker may be anywhere within a stroll [SAFETY C15]
 constexpr double kStrollMps = 1.0;
 constexpr double kMostSpreadM = 50.0;
-constexpr double kTrackPieceM = 6.0;     // length of track a heading is read off [P1 eq. 17]
 constexpr double kLeastSpeedSigmaMps = 0.1;
 constexpr double kLeastHeadingSigmaRad = 0.05;
 constexpr double kVagueHeadingRad = 0.7;
@@ -287,7 +286,7 @@ void FusionTracker::align_heading() {
   if (anchor_) {
     const BuildingPoint reckoned = minus(odometry_.now(), anchor_->odometry);
     const BuildingPoint track = minus(here, anchor_->track);
-    if (length_m(reckoned) < kTrackPieceM) return;
+    if (length_m(reckoned) < parts_->heading.piece_m) return;
     // The direction of a bent track is compared with the bent path reckoned for it: on a straight one this is phi_PF.
     const double error_rad = wrap_angle_rad(angle_rad(track) - angle_rad(reckoned));
     if (length_m(track) > 0.3 * length_m(reckoned)) heading_.update(heading_.heading_rad() + error_rad, length_m(reckoned));

@@ -5,6 +5,7 @@ namespace wayfuse {
 struct HeadingFilterSettings {
   double turn_sigma_rad_rts = 0.03;   ///< random walk of the predicted heading, rad per root second: larger follows the track
   double track_sigma_m = 2.0;         ///< of the particle track across its direction: larger trusts the phone
+  double piece_m = 6.0;               ///< length of track a direction is read off: larger is steadier and sees a drift later
 };
 
 /// The Kalman filter on heading [P1 eq. 17]: predicted by the phone's turn, corrected by the direction of the particle track.
