@@ -3,37 +3,54 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/progress_bar.hpp"
+#include "tests/evaluation/walks/replay.hpp"
 #include "tests/papers/experiment.hpp"
 
 namespace wayfuse {
 namespace {
 
 struct PapersOptions {
-  int seeds = 30;
-  int first_seed = 1;
+  int seeds = 0;                   ///< 0: as many as each experiment says
+  papers::Runs runs{.threads = std::max(1u, std::thread::hardware_concurrency())};
   std::vector<std::string> only;
+  std::vector<std::string> pipelines;
   std::string json;
   std::string report;
 };
 
-std::string number(double value) {
+// What is compared to a paper's two digits, ratios finer.
+std::string number(double value, const papers::Claim& claim) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
+  std::snprintf(text, sizeof text, claim.unit == "ratio" ? "%.3f" : "%.2f", value);
   return text;
 }
 
-std::string paper_figure(const papers::Row& row) { return row.claim.paper ? number(*row.claim.paper) : "-"; }
-
-// Whether a row is a promise, and if so whether it is kept.
-const char* verdict(const papers::Row& row) {
-  if (!row.claim.binding || !row.claim.paper) return "";
-  return row.holds ? "holds" : "does not hold";
+// The presets, and in the place of some what the command line makes of them.
+Result<papers::Presets> presets_of(const std::vector<std::string>& pipelines) {
+  std::map<std::string, PipelineSpec> tried;
+  for (const std::string& pipeline : pipelines) {
+    auto spec = pipeline_named(pipeline);
+    if (!spec) return spec.fault();
+    if (const auto checked = check(*spec); !checked) return checked.fault();
+    if (const auto known = preset(spec->name); !known) return known.fault();
+    tried[spec->name] = *std::move(spec);
+  }
+  return papers::Presets([tried](const std::string& name) {
+    const auto found = tried.find(name);
+    return found == tried.end() ? papers::as_shipped(name) : found->second;
+  });
 }
+
+std::string paper_figure(const papers::Row& row) { return row.claim.paper ? number(*row.claim.paper, row.claim) : "-"; }
+
+std::string figure(const papers::Row& row) { return row.claim.figure + (row.claim.unit.empty() ? "" : ", " + row.claim.unit); }
 
 nlohmann::json to_json(const papers::Row& row) {
   nlohmann::json json = {{"paper", row.paper},
@@ -47,6 +64,7 @@ nlohmann::json to_json(const papers::Row& row) {
                          {"seeds", row.seeds},
                          {"binding", row.claim.binding && row.claim.paper.has_value()},
                          {"paper_figure", nullptr},
+                         {"verdict", row.verdict()},
                          {"holds", row.holds}};
   if (row.claim.paper) json["paper_figure"] = *row.claim.paper;
   return json;
@@ -56,9 +74,9 @@ void print(const papers::Experiment& experiment, const std::vector<papers::Row>&
   std::printf("\n%s  %s\n%-28s %-27s %-26s %9s %19s %8s\n", experiment.paper.c_str(), experiment.title.c_str(), "case", "system", "figure",
               "ours", "95 % of the mean", "paper");
   for (const papers::Row& row : rows) {
-    std::printf("%-28s %-27s %-26s %9.2f [%7.2f, %7.2f] %8s  %s\n", row.claim.situation.c_str(), row.claim.system.c_str(),
-                (row.claim.figure + (row.claim.unit.empty() ? "" : ", " + row.claim.unit)).c_str(), row.mean, row.low, row.high,
-                paper_figure(row).c_str(), verdict(row));
+    std::printf("%-28s %-27s %-26s %9s [%7s, %7s] %8s  %s\n", row.claim.situation.c_str(), row.claim.system.c_str(),
+                figure(row).c_str(), number(row.mean, row.claim).c_str(), number(row.low, row.claim).c_str(),
+                number(row.high, row.claim).c_str(), paper_figure(row).c_str(), row.verdict().c_str());
   }
 }
 
@@ -70,39 +88,47 @@ void write(const std::filesystem::path& path, const std::string& text) {
 
 std::string markdown(const papers::Experiment& experiment, const std::vector<papers::Row>& rows, const std::vector<papers::Drawing>& drawings) {
   std::string text = "## " + experiment.paper + ": " + experiment.title + "\n\n" + experiment.assumptions +
-                     "\n\n| case | system | figure | ours, mean over seeds | 95 % interval | paper | |\n|---|---|---|---|---|---|---|\n";
+                     "\n\n| case | system | figure | ours, mean over " + std::to_string(rows.front().seeds) + " seeds | 95 % interval | paper | |\n|---|---|---|---|---|---|---|\n";
   for (const papers::Row& row : rows) {
-    text += "| " + row.claim.situation + " | " + row.claim.system + " | " + row.claim.figure +
-            (row.claim.unit.empty() ? "" : ", " + row.claim.unit) + " | " + number(row.mean) + " | " + number(row.low) + " – " +
-            number(row.high) + " | " + paper_figure(row) + " | " + verdict(row) + " |\n";
+    text += "| " + row.claim.situation + " | " + row.claim.system + " | " + figure(row) + " | " + number(row.mean, row.claim) + " | " + number(row.low, row.claim) + " – " +
+            number(row.high, row.claim) + " | " + paper_figure(row) + " | " + row.verdict() + " |\n";
   }
   for (const papers::Drawing& drawing : drawings) text += "\n![" + drawing.name + "](" + drawing.name + ".svg)\n";
   return text + "\n";
 }
 
-int run(const PapersOptions& options) {
+std::vector<papers::Experiment> chosen_experiments(const std::vector<std::string>& only) {
   std::vector<papers::Experiment> chosen;
   for (const papers::Experiment& experiment : papers::experiments()) {
-    if (options.only.empty() || std::ranges::count(options.only, experiment.paper)) chosen.push_back(experiment);
+    if (only.empty() || std::ranges::count(only, experiment.paper)) chosen.push_back(experiment);
   }
-  if (chosen.empty()) {
-    std::fprintf(stderr, "wayfuse-eval papers: --only names none of P1, P2, P3, P4, P5\n");
+  return chosen;
+}
+
+int run(const PapersOptions& options) {
+  const auto chosen = chosen_experiments(options.only);
+  const auto presets = presets_of(options.pipelines);
+  if (!presets) {
+    std::fprintf(stderr, "wayfuse-eval papers: %s\n", to_string(presets.fault()).c_str());
     return 2;
   }
+  papers::Runs runs = options.runs;
+  runs.presets = *presets;
   nlohmann::json json = nlohmann::json::array();
-  std::string report = "# The papers' experiments, theirs beside ours\n\nMeans over " + std::to_string(options.seeds) +
-                       " seeds. `holds`: our mean reaches the paper's figure. Opponents' figures are shown beside and bind nothing.\n\n";
+  std::string report = "# The papers' experiments, theirs beside ours\n\nMeans over seeds. `holds`: our mean reaches the paper's figure; `undecided`: it does not, but the interval does. Opponents' figures are shown beside and bind nothing.\n\n";
   if (!options.report.empty()) std::filesystem::create_directories(options.report);
   for (const papers::Experiment& experiment : chosen) {
     std::vector<papers::Row> rows;
+    runs.seeds = options.seeds ? options.seeds : experiment.seeds;
     {
-      ProgressBar bar(experiment.paper, static_cast<std::size_t>(options.seeds));
-      rows = papers::judge(experiment, options.seeds, [&] { bar.advance(); }, options.first_seed);
+      ProgressBar bar(experiment.paper, static_cast<std::size_t>(runs.seeds));
+      runs.after_each_seed = [&] { bar.advance(); };
+      rows = papers::judge(experiment, runs);
     }
     print(experiment, rows);
     for (const papers::Row& row : rows) json.push_back(to_json(row));
     if (options.report.empty()) continue;
-    const auto drawings = experiment.draw(1);
+    const auto drawings = experiment.draw(runs.presets, 1);
     for (const papers::Drawing& drawing : drawings) write(std::filesystem::path(options.report) / (drawing.name + ".svg"), drawing.svg);
     report += markdown(experiment, rows, drawings);
   }
@@ -116,11 +142,15 @@ int run(const PapersOptions& options) {
 void add_papers_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<PapersOptions>();
   CLI::App* command = app.add_subcommand("papers", "Each paper's own experiment, simulated: its table beside ours");
-  command->add_option("--seeds", options->seeds, "Runs of each experiment")->check(CLI::Range(2, 1000))->capture_default_str();
-  command->add_option("--first-seed", options->first_seed, "The first of them: what is chosen on some seeds is reported on others")
+  command->add_option("--seeds", options->seeds, "Runs of each experiment, instead of 100 (P2: 500)")->check(CLI::Range(2, 10000));
+  command->add_option("--first-seed", options->runs.first_seed, "The first of them: what is chosen on some seeds is reported on others")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--only", options->only, "Only these papers: P1..P5")->delimiter(',');
+  command->add_option("--threads", options->runs.threads, "Seeds run at once; does not change any figure")
+      ->check(CLI::Range(1u, 256u))
+      ->capture_default_str();
+  command->add_option("--only", options->only, "Only these papers")->check(CLI::IsMember({"P1", "P2", "P3", "P4", "P5"}))->delimiter(',');
+  command->add_option("--pipelines", options->pipelines, "Instead of a preset: PRESET:role.setting=value+role.setting=value, or a FILE.json of its name")->delimiter(',');
   command->add_option("--json", options->json, "Rows as JSON");
   command->add_option("--report", options->report, "Folder for papers.md and the figures as SVG");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });

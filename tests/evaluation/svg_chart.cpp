@@ -95,8 +95,8 @@ std::string distribution_chart(const ChartText& text, const std::vector<ValueSer
   return svg + legend(names, false) + "</svg>\n";
 }
 
-std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series) {
-  double x_low = 1e300, x_high = -1e300, y_high = 0.0;
+std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series, double y_least) {
+  double x_low = 1e300, x_high = -1e300, y_high = y_least;
   for (const LineSeries& line : series) {
     for (const auto& p : line.points) {
       x_low = std::min(x_low, p.x);
@@ -106,9 +106,11 @@ std::string line_chart(const ChartText& text, const std::vector<LineSeries>& ser
   }
   if (x_low > x_high) x_low = 0.0, x_high = 1.0;
   if (x_low == x_high) x_high = x_low + 1.0;
-  if (y_high <= 0.0) y_high = 1.0;
-  const Plane plane(x_low, x_high, 0.0, y_high * 1.15);
-  std::string svg = plane.grid(text, round_step(x_high - x_low, 10), round_step(y_high * 1.15, 8), 1.0, "");
+  if (y_high <= y_least) y_high = y_least + 1.0;
+  const double above_legend = 0.94 - 0.05 * static_cast<double>(series.size());  // share of the height, a legend's row takes a twentieth
+  const double span = (y_high - y_least) / std::max(0.5, above_legend);
+  const Plane plane(x_low, x_high, y_least, y_least + span);
+  std::string svg = plane.grid(text, round_step(x_high - x_low, 10), round_step(span, 8), 1.0, "");
   std::vector<std::pair<std::string, bool>> names;
   for (std::size_t s = 0; s < series.size(); ++s) {
     std::string points;

@@ -25,7 +25,7 @@ struct ChartText {
 /// Share of the values below x, one line a series; the x axis runs from 0 to `x_most`. An SVG document.
 std::string distribution_chart(const ChartText& text, const std::vector<ValueSeries>& series, double x_most);
 
-/// A line chart through points with optional vertical error bars.
+/// A line chart through points with optional vertical error bars. The y axis begins at `y_least` and leaves room for the legend.
 struct LineSeries {
   struct Point {
     double x = 0.0;
@@ -37,7 +37,7 @@ struct LineSeries {
   std::vector<Point> points;
   bool dashed = false;
 };
-std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series);
+std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series, double y_least = 0.0);
 
 /// A floor plan to draw on, metres, north up.
 struct PlanTrack {

@@ -1,8 +1,11 @@
 #include "tests/papers/experiment.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
+#include <ranges>
+#include <thread>
 
 namespace wayfuse::papers {
 namespace {
@@ -17,6 +20,29 @@ bool same(const Outcome& outcome, const Claim& claim) {
   return outcome.situation == claim.situation && outcome.system == claim.system && outcome.figure == claim.figure;
 }
 
+// One list a claim, of its outcomes by seed.
+std::vector<std::vector<double>> run_all(const Experiment& experiment, const Runs& runs) {
+  std::vector<std::vector<Outcome>> by_seed(static_cast<std::size_t>(runs.seeds));
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < by_seed.size(); i = next++) {
+      by_seed[i] = experiment.run(runs.presets, static_cast<std::uint64_t>(runs.first_seed) + i);
+      runs.after_each_seed();
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (unsigned t = 1; t < runs.threads; ++t) workers.emplace_back(work);
+  work();
+  workers.clear();
+  std::vector<std::vector<double>> values(experiment.claims.size());
+  for (const Outcome& outcome : std::views::join(by_seed)) {
+    const auto claim = std::ranges::find_if(experiment.claims, [&](const Claim& each) { return same(outcome, each); });
+    assert(claim != experiment.claims.end());
+    values[static_cast<std::size_t>(claim - experiment.claims.begin())].push_back(outcome.value);
+  }
+  return values;
+}
+
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
@@ -24,16 +50,13 @@ const std::vector<Experiment>& experiments() {
   return all;
 }
 
-std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed, int first_seed) {
-  std::vector<std::vector<double>> values(experiment.claims.size());
-  for (int seed = first_seed; seed < first_seed + seeds; ++seed) {
-    for (const Outcome& outcome : experiment.run(static_cast<std::uint64_t>(seed))) {
-      const auto claim = std::ranges::find_if(experiment.claims, [&](const Claim& each) { return same(outcome, each); });
-      assert(claim != experiment.claims.end());
-      values[static_cast<std::size_t>(claim - experiment.claims.begin())].push_back(outcome.value);
-    }
-    if (after_each_seed) after_each_seed();
-  }
+std::string Row::verdict() const {
+  if (!claim.binding || !claim.paper) return "";
+  return holds ? "holds" : low <= *claim.paper ? "undecided" : "does not hold";
+}
+
+std::vector<Row> judge(const Experiment& experiment, const Runs& runs) {
+  const auto values = run_all(experiment, runs);
   std::vector<Row> rows;
   for (std::size_t i = 0; i < values.size(); ++i) {
     assert(!values[i].empty());
@@ -69,12 +92,17 @@ std::vector<Moment> stroll(const std::vector<BuildingPoint>& corners, double spe
   return moments;
 }
 
-std::shared_ptr<const TrackerFactory> pipeline(const std::string& name, std::shared_ptr<const Site> site,
-                                               const std::map<std::string, PartChoice>& other_parts) {
+PipelineSpec as_shipped(const std::string& name) {
   auto spec = preset(name);
   assert(spec);
-  for (const auto& [role, part] : other_parts) spec->parts[role] = part;
-  auto made = assemble(*spec, std::move(site));
+  return *std::move(spec);
+}
+
+std::shared_ptr<const TrackerFactory> pipeline(const Presets& presets, const std::string& name, std::shared_ptr<const Site> site,
+                                               const std::map<std::string, PartChoice>& other_parts) {
+  PipelineSpec spec = presets(name);
+  for (const auto& [role, part] : other_parts) spec.parts[role] = part;
+  auto made = assemble(spec, std::move(site));
   assert(made);
   return *made;
 }

@@ -35,13 +35,18 @@ struct Drawing {
   std::string svg;
 };
 
+/// The pipelines that run: the presets, or what is tried in the place of some.
+using Presets = std::function<PipelineSpec(const std::string& name)>;
+PipelineSpec as_shipped(const std::string& name);
+
 struct Experiment {
   std::string paper;               ///< `P1`
   std::string title;
   std::string assumptions;         ///< what the paper leaves open and what was taken, in plain words
   std::vector<Claim> claims;       ///< smaller is better in all of them
-  std::vector<Outcome> (*run)(std::uint64_t seed);
-  std::vector<Drawing> (*draw)(std::uint64_t seed);
+  std::vector<Outcome> (*run)(const Presets& presets, std::uint64_t seed);
+  std::vector<Drawing> (*draw)(const Presets& presets, std::uint64_t seed);
+  int seeds = 100;                 ///< runs of a full report
 };
 
 const std::vector<Experiment>& experiments();
@@ -60,9 +65,20 @@ struct Row {
   double high = 0.0;
   int seeds = 0;
   bool holds = false;              ///< the mean reaches the paper's figure; always true for what does not bind
+  /// Empty for what does not bind; `undecided` where the mean misses the figure and the interval does not.
+  std::string verdict() const;
 };
-/// Runs seeds first_seed, first_seed + 1, ..; 1..seeds are the ones reported, what an experiment leaves open was chosen on others. An outcome without a claim, or a claim without outcomes, is a bug of the experiment and asserted.
-std::vector<Row> judge(const Experiment& experiment, int seeds, const std::function<void()>& after_each_seed = {}, int first_seed = 1);
+/// Runs seeds first_seed, first_seed + 1, ..; 1..seeds are the ones reported, what an experiment leaves open was chosen on others. An outcome
+/// without a claim, or a claim without outcomes, is a bug of the experiment and asserted. `threads` change no figure; `after_each_seed` is called
+/// from any of them.
+struct Runs {
+  int seeds = 30;
+  int first_seed = 1;
+  unsigned threads = 1;
+  Presets presets = as_shipped;
+  std::function<void()> after_each_seed = [] {};
+};
+std::vector<Row> judge(const Experiment& experiment, const Runs& runs);
 
 // --- what the experiments share ---------------------------------------------------------------------------------------------
 
@@ -77,7 +93,7 @@ std::vector<Moment> stroll(const std::vector<BuildingPoint>& corners, double spe
 
 PhoneTime at_s(double time_s);
 /// A preset, some of its parts replaced, prepared for a site. Asserts that it assembles.
-std::shared_ptr<const TrackerFactory> pipeline(const std::string& name, std::shared_ptr<const Site> site,
+std::shared_ptr<const TrackerFactory> pipeline(const Presets& presets, const std::string& name, std::shared_ptr<const Site> site,
                                                const std::map<std::string, PartChoice>& other_parts = {});
 
 /// Errors of one system along a walk, with its track for the pictures.

@@ -20,14 +20,14 @@ struct Run {
   std::vector<BuildingPoint> truth;
 };
 
-Run walk(std::uint64_t seed) {
+Run walk(const Presets& presets, std::uint64_t seed) {
   Random random(seed);
   RadioWorld world({.level_at_1m_dbm = -40, .exponent = 2.4, .shadow_db = 5.0, .shadow_length_m = 3.0, .fade_db = 8.0,
                     .deaf_below_dbm = -92, .rounding_db = 1.0},
                    kTransmitters, {}, random);
   auto site = std::make_shared<Site>();
   site->survey = world.survey(grid({2, 2}, {47, 32}, 5.0), 3, random);
-  const auto fingerprint = pipeline("knn-manhattan", site), combined = pipeline("p2", site), reckoning = pipeline("dead-reckoning", site);
+  const auto fingerprint = pipeline(presets, "knn-manhattan", site), combined = pipeline(presets, "p2", site), reckoning = pipeline(presets, "dead-reckoning", site);
   const KnownStart known{{kWalk.front(), FloorOrdinal{0}}, 0.5, {}};
   std::map<std::string, std::unique_ptr<Tracker>> trackers;
   trackers["fingerprint"] = fingerprint->make_tracker(Random(seed));
@@ -75,8 +75,8 @@ double overtakes_at(const Run& run) {
   return first;
 }
 
-std::vector<Outcome> run(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Outcome> run(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   std::vector<Outcome> outcomes;
   for (const auto& [system, track] : walked.tracks) {
     outcomes.push_back({"12 check points", system, "mean error", track.mean_m()});
@@ -88,8 +88,8 @@ std::vector<Outcome> run(std::uint64_t seed) {
   return outcomes;
 }
 
-std::vector<Drawing> draw(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Drawing> draw(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   PlanPicture plan{"P2: the 12 check points", nullptr, {}, {}, false};
   plan.tracks.push_back({"truth", "#000000", walked.truth, 0.3, 1.0, true});
   std::vector<LineSeries> errors;
@@ -124,7 +124,7 @@ Experiment p2_experiment() {
            {at, "fingerprint", "max error", "m", 21.5, false},
            {at, "PDR", "mean error", "m", {}, false},
            {at, "PDR", "max error", "m", {}, false}},
-          run, draw};
+          run, draw, 500};
 }
 
 }  // namespace wayfuse::papers

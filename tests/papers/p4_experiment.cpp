@@ -42,8 +42,8 @@ const std::map<std::string, PartChoice> kPlain = {{"measurement", {"fix", {{"sig
 const std::map<std::string, PartChoice> kCorrected = {{"measurement", {"fix", {{"sigma_m", 10}, {"gate_sigmas", 5}}}}};
 
 // Trains on tracks with known truth along the same aisle: starts 3 m and courses 6 degrees (1 sigma) about the printed ones.
-std::string trained(const RadioWorld& world, std::shared_ptr<const Site> site, Random& random) {
-  const auto plain = pipeline("p4", site, kPlain);
+std::string trained(const Presets& presets, const RadioWorld& world, std::shared_ptr<const Site> site, Random& random) {
+  const auto plain = pipeline(presets, "p4", site, kPlain);
   std::vector<TrainingSample> x, y;
   for (int i = 0; i < kTrainingTracks; ++i) {
     const BuildingPoint start{-1.0 + 3.0 * random.normal(), 0.2 + 3.0 * random.normal()};
@@ -73,15 +73,15 @@ struct Run {
   std::vector<BuildingPoint> truth;
 };
 
-Run walk(std::uint64_t seed) {
+Run walk(const Presets& presets, std::uint64_t seed) {
   Random random(seed);
   // 30 dBm less 10 dB at either end, free space at 2.4 GHz: -30 dBm at 1 m. The fading makes the fix err by about the printed 10 m.
   RadioWorld world({.level_at_1m_dbm = -30, .exponent = 2.0, .fade_db = 0.6}, kCorners, {}, random);
   auto site = std::make_shared<Site>();
   site->survey = world.survey(fingerprints(), 20, random);
   auto learnt = std::make_shared<Site>(*site);
-  learnt->correctors["p4"] = trained(world, site, random);
-  const auto nearest = pipeline("nn", site), plain = pipeline("p4", site, kPlain), corrected = pipeline("p4", learnt, kCorrected);
+  learnt->correctors["p4"] = trained(presets, world, site, random);
+  const auto nearest = pipeline(presets, "nn", site), plain = pipeline(presets, "p4", site, kPlain), corrected = pipeline(presets, "p4", learnt, kCorrected);
   const KnownStart start{{{-1.0, 0.2}, FloorOrdinal{0}}, 0.5, {}};
   std::map<std::string, std::unique_ptr<Tracker>> trackers;
   trackers["nearest neighbour"] = nearest->make_tracker(Random(seed), start);
@@ -106,8 +106,8 @@ double mean_from(const Track& track, std::size_t first) {
   return sum / static_cast<double>(track.errors_m.size() - first);
 }
 
-std::vector<Outcome> run(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Outcome> run(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   std::vector<Outcome> outcomes;
   for (const auto& [system, track] : walked.tracks) {
     outcomes.push_back({"80 measurements", system, "mean error", track.mean_m()});
@@ -121,13 +121,15 @@ std::vector<Outcome> run(std::uint64_t seed) {
   return outcomes;
 }
 
-std::vector<Drawing> draw(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Drawing> draw(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   std::vector<LineSeries> errors;
   PlanPicture plan{"P4: the track", nullptr, {}, {{"truth", "#000000", walked.truth}}, false};
+  std::vector<ValueSeries> shares = {{"nearest neighbour", walked.tracks.at("nearest neighbour").errors_m}};
   std::size_t colour = 0;
   for (const char* system : {"Kalman filter", "Kalman filter and networks"}) {
     const Track& track = walked.tracks.at(system);
+    shares.push_back({system, track.errors_m});
     plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points});
     LineSeries line{system, {}, false};
     for (std::size_t i = 0; i < track.errors_m.size(); ++i) {
@@ -135,7 +137,8 @@ std::vector<Drawing> draw(std::uint64_t seed) {
     }
     errors.push_back(line);
   }
-  return {{"p4-tracks", plan_picture(plan)}, {"p4-error", line_chart({"P4: error by measurement", "measurement", "error, m"}, errors)}};
+  return {{"p4-tracks", plan_picture(plan)}, {"p4-error", line_chart({"P4: error by measurement", "measurement", "error, m"}, errors)},
+          {"p4-cdf", distribution_chart({"P4: share of errors below", "error, m", "share"}, shares, 10.0)}};
 }
 
 }  // namespace

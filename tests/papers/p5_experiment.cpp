@@ -25,20 +25,20 @@ struct Run {
   std::vector<BuildingPoint> truth;
 };
 
-Run walk(std::uint64_t seed) {
+Run walk(const Presets& presets, std::uint64_t seed) {
   Random random(seed);
   auto site = std::make_shared<Site>();
   site->georeference = Georeference{{30.5, 114.3}, 0.0};
   const std::map<std::string, PartChoice> street = {
       {"motion", {"street", {{"axis_azimuth_deg", kAzimuthDeg}, {"along_sigma_mps_rts", 0.1}, {"across_sigma_mps_rts", 0.05}}}}};
-  std::map<std::string, std::shared_ptr<const TrackerFactory>> factories = {{"PF", pipeline("p5", site, street)},
-                                                                            {"EKF", pipeline("p5-ekf", site, street)},
-                                                                            {"UKF", pipeline("p5-ukf", site, street)}};
+  std::map<std::string, std::shared_ptr<const TrackerFactory>> factories = {{"PF", pipeline(presets, "p5", site, street)},
+                                                                            {"EKF", pipeline(presets, "p5-ekf", site, street)},
+                                                                            {"UKF", pipeline(presets, "p5-ukf", site, street)}};
   auto apart = street;
   apart["speed"] = {"speed", {}};
   apart["azimuth"] = {"direction", {}};
-  factories["EKF, speed and azimuth apart"] = pipeline("p5-ekf", site, apart);
-  factories["GNSS"] = pipeline("p5", site, {{"gnss", {"fix", {}}}, {"motion", {"still", {}}}, {"speed", {"none", {}}},
+  factories["EKF, speed and azimuth apart"] = pipeline(presets, "p5-ekf", site, apart);
+  factories["GNSS"] = pipeline(presets, "p5", site, {{"gnss", {"fix", {}}}, {"motion", {"still", {}}}, {"speed", {"none", {}}},
                                             {"azimuth", {"none", {}}}, {"filter", {"newest-fix", {}}}, {"recovery", {"none", {}}}});
   std::map<std::string, std::unique_ptr<Tracker>> trackers;
   for (const auto& [system, factory] : factories) trackers[system] = factory->make_tracker(Random(seed));
@@ -80,8 +80,8 @@ Run walk(std::uint64_t seed) {
   return run;
 }
 
-std::vector<Outcome> run(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Outcome> run(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   std::vector<Outcome> outcomes;
   for (const auto& [system, track] : walked.tracks) outcomes.push_back({"canyon", system, "mean error", track.mean_m()});
   const auto ratio = [&](const char* a, const char* b) { return walked.tracks.at(a).mean_m() / walked.tracks.at(b).mean_m(); };
@@ -91,22 +91,27 @@ std::vector<Outcome> run(std::uint64_t seed) {
   return outcomes;
 }
 
-std::vector<Drawing> draw(std::uint64_t seed) {
-  const Run walked = walk(seed);
+std::vector<Drawing> draw(const Presets& presets, std::uint64_t seed) {
+  const Run walked = walk(presets, seed);
   PlanPicture plan{"P5: the street", nullptr, {}, {{"truth", "#000000", walked.truth}}, false};
   std::vector<LineSeries> errors;
+  std::vector<ValueSeries> shares;
   std::size_t colour = 0;
   for (const char* system : {"GNSS", "EKF", "UKF", "PF"}) {
     const Track& track = walked.tracks.at(system);
     const bool fixes = std::string_view(system) == "GNSS";
-    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points, 0.5, fixes ? 0.5 : 1.0, fixes, !fixes});
-    LineSeries line{system, {}, false};
+    // The two Kalman filters coincide: the one below is drawn wider, the one above dashed.
+    const bool below = std::string_view(system) == "EKF", above = std::string_view(system) == "UKF";
+    shares.push_back({system, track.errors_m});
+    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points, below ? 1.0 : 0.5, fixes ? 0.5 : 1.0, fixes, !fixes});
+    LineSeries line{system, {}, above};
     for (std::size_t i = 0; i < track.errors_m.size(); i += 5) {
       line.points.push_back({track.times_s[i], track.errors_m[i], track.errors_m[i], track.errors_m[i]});
     }
     errors.push_back(line);
   }
-  return {{"p5-tracks", plan_picture(plan)}, {"p5-error", line_chart({"P5: error over time", "time, s", "error, m"}, errors)}};
+  return {{"p5-tracks", plan_picture(plan)}, {"p5-error", line_chart({"P5: error over time", "time, s", "error, m"}, errors)},
+          {"p5-cdf", distribution_chart({"P5: share of errors below", "error, m", "share"}, shares, 25.0)}};
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ double figure(const std::vector<Row>& rows, const std::string& situation, const 
 }
 
 TEST(Papers, P1FusionBeatsBothItsSubsystemsAndTheOthers) {
-  const auto rows = judge(p1_experiment(), kSeeds);
+  const auto rows = judge(p1_experiment(), {.seeds = kSeeds});
   const auto rmse = [&](const char* system) { return figure(rows, "office floor", system, "rmse"); };
   EXPECT_LT(rmse("fused"), 0.6 * rmse("WLAN"));
   EXPECT_LT(rmse("WLAN"), rmse("MARG"));
@@ -30,12 +30,12 @@ TEST(Papers, P1FusionBeatsBothItsSubsystemsAndTheOthers) {
 }
 
 TEST(Papers, P2CombinationBeatsTheFingerprint) {
-  const auto rows = judge(p2_experiment(), kSeeds);
+  const auto rows = judge(p2_experiment(), {.seeds = kSeeds});
   EXPECT_LT(figure(rows, "12 check points", "combined", "mean error"), figure(rows, "12 check points", "fingerprint", "mean error"));
 }
 
 TEST(Papers, P3LearningTheExponentSavesTheFilter) {
-  const auto rows = judge(p3_experiment(), kSeeds);
+  const auto rows = judge(p3_experiment(), {.seeds = kSeeds});
   for (const char* air : {"exponent drifts to 2.34", "exponent jumps to 2.4"}) {
     EXPECT_LT(figure(rows, air, "algorithm 2", "max error"), 0.5 * figure(rows, air, "PF", "max error")) << air;
     EXPECT_LT(figure(rows, air, "PF", "max error"), figure(rows, air, "RSSI alone", "max error")) << air;
@@ -44,20 +44,20 @@ TEST(Papers, P3LearningTheExponentSavesTheFilter) {
 }
 
 TEST(Papers, P4FilterBeatsTheNearestNeighbour) {
-  const auto rows = judge(p4_experiment(), 4);
+  const auto rows = judge(p4_experiment(), {.seeds = 4});
   EXPECT_LT(figure(rows, "80 measurements", "Kalman filter", "mean error"),
             figure(rows, "80 measurements", "nearest neighbour", "mean error"));
 }
 
 TEST(Papers, P5FusionBeatsSatellitesByEveryFilter) {
-  const auto rows = judge(p5_experiment(), kSeeds);
+  const auto rows = judge(p5_experiment(), {.seeds = kSeeds});
   for (const char* filter : {"PF", "EKF", "UKF"}) {
     EXPECT_LT(figure(rows, "canyon", filter, "mean error"), 0.5 * figure(rows, "canyon", "GNSS", "mean error")) << filter;
   }
 }
 
 TEST(Papers, ARunRepeatsItself) {
-  const auto one = judge(p3_experiment(), 1), two = judge(p3_experiment(), 1);
+  const auto one = judge(p3_experiment(), {.seeds = 2}), two = judge(p3_experiment(), {.seeds = 2, .threads = 2});
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].mean, two[i].mean);
 }
 
