@@ -46,10 +46,11 @@ float least_distance(const RadioField& field, const RadioField::Storey& storey, 
     if (field.fingerprints()[i].walk != without_walk) distances.push_back(scratch.sorensen[i]);
   }
   const std::size_t count = std::min(kFieldVoters, distances.size());
+  if (count == 0) return 1.0f;
   std::ranges::partial_sort(distances, distances.begin() + static_cast<std::ptrdiff_t>(count));
-  float sum = static_cast<float>(kFieldVoters - count);
+  float sum = 0.0f;
   for (std::size_t i = 0; i < count; ++i) sum += distances[i];
-  return sum / static_cast<float>(kFieldVoters);
+  return sum / static_cast<float>(count);
 }
 
 bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch& scratch, Question& question) {

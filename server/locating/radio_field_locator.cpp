@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace wayfuse {
@@ -152,7 +153,7 @@ void RadioFieldLocator::vote() {
   best_.clear();
   for (const RadioField::Storey& each : field_->storeys()) {
     std::array<float, kFieldVoters> smallest;
-    smallest.fill(1.0f);
+    smallest.fill(std::numeric_limits<float>::infinity());
     for (std::uint32_t i = each.begin; i < each.end; ++i) {
       const float distance = scratch_->sorensen[i];
       if (distance >= smallest.back()) continue;
@@ -160,7 +161,8 @@ void RadioFieldLocator::vote() {
       for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
       smallest[at] = distance;
     }
-    best_.push_back(std::accumulate(smallest.begin(), smallest.end(), 0.0f) / static_cast<float>(kFieldVoters));
+    const std::size_t voters = std::min<std::size_t>(kFieldVoters, each.end - each.begin);
+    best_.push_back(std::accumulate(smallest.begin(), smallest.begin() + static_cast<std::ptrdiff_t>(voters), 0.0f) / static_cast<float>(voters));
   }
   const float least = std::ranges::min(best_);
   mismatch_ = static_cast<double>(least) / field_->weights().usual_distance;

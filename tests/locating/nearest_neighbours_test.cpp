@@ -41,7 +41,7 @@ double distance_by_definition(const RadioMap& map, const MapPoint& point, const 
 
 TEST(RssDistance, EqualsItsDefinitionOnRandomSparseMaps) {
   Random random(5);
-  for (const double exponent : {1.0, 2.0, 3.0}) {
+  for (const double exponent : {0.5, 1.0, 1.5, 2.0, 3.0}) {
     std::vector<ReferencePoint> survey(50);
     const auto readings = [&] {
       std::vector<ScanReading> made;

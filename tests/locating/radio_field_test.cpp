@@ -184,6 +184,21 @@ TEST(RadioField, AnEmptySurveyAnswersNothing) {
   EXPECT_FALSE(field->make()->locate(scan_at(1.0, 0)));
 }
 
+// Upstairs somebody stood twice only; its own radios are heard there, and those below through the ceiling.
+TEST(RadioField, AFloorSurveyedAtTwoPointsCanBeVotedFor) {
+  auto survey = corridor();
+  const auto upstairs = [](double x_m) {
+    RssScan scan = scan_at(x_m, 2);
+    for (const ScanReading& below : scan_at(x_m, 1, -6.0).readings) scan.readings.push_back(below);
+    return scan;
+  };
+  for (const double x_m : {10.0, 14.0}) survey.push_back({{{x_m, 0.0}, FloorOrdinal{2}}, 0.0, "phone", "", {}, {upstairs(x_m)}});
+  const auto field = std::make_shared<RadioField>(survey, in_step());
+  const auto locator = field->make();
+  ASSERT_TRUE(locator->locate(upstairs(12.0)));
+  EXPECT_EQ(locator->floors().front().floor, FloorOrdinal{2});
+}
+
 TEST(RadioField, LearntWeightsStayNearTheirStandardWhereTheSurveyIsSilent) {
   std::vector<ReferencePoint> one = {{{{1.0, 1.0}, FloorOrdinal{0}}, 0.0, "phone", "", {}, {scan_at(1.0, 0), scan_at(1.0, 0)}}};
   const RadioField field(one, RadioFieldSettings{});
