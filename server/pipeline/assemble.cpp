@@ -115,6 +115,9 @@ Result<void> fits(const Assembly& spec) {
   if (model->uses_heading() && spec.chosen("azimuth").part != "none") {
     return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's heading: it would count twice");
   }
+  if (spec.chosen("heading").part == "track-kalman" && spec.chosen("azimuth").part != "none") {
+    return clash("parts.azimuth", "the heading `track-kalman` is read off the filter's own track: measured by it again, it would count twice");
+  }
   if (model->columns() == 0 && (spec.chosen("speed").part != "none" || spec.chosen("azimuth").part != "none") &&
       !model->uses_heading() && !model->uses_distance()) {
     return clash("parts.motion", "`" + motion.part + "` has no velocity that speed or azimuth could measure");

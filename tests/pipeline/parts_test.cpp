@@ -98,6 +98,9 @@ TEST(Parts, TheSameInformationTwiceIsRefused) {
   EXPECT_EQ(heading.code, FaultCode::kConflict);
   EXPECT_EQ(heading.field, "parts.azimuth");
   EXPECT_THAT(heading.cause, HasSubstr("twice"));
+  const auto own = fault({{"locator", {"wknn", {}}}, {"motion", {"street", {}}}, {"heading", {"track-kalman", {}}}, {"azimuth", {"direction", {}}}});
+  EXPECT_EQ(own.field, "parts.azimuth");
+  EXPECT_THAT(own.cause, HasSubstr("own track"));
   const auto speed = fault({{"locator", {"wknn", {}}}, {"motion", {"steps", {}}}, {"speed", {"speed", {}}}});
   EXPECT_EQ(speed.field, "parts.speed");
   EXPECT_EQ(fault({{"locator", {"wknn", {}}}, {"motion", {"still", {}}}, {"speed", {"speed", {}}}}).field, "parts.motion");
@@ -107,6 +110,19 @@ TEST(Parts, TheSameInformationTwiceIsRefused) {
   const auto resolved = fault({{"locator", {"wknn", {}}}, {"motion", {"street", {}}}, {"speed", {"speed", {}}}, {"azimuth", {"resolved", {}}}});
   EXPECT_EQ(resolved.field, "parts.speed");
   EXPECT_THAT(resolved.cause, HasSubstr("twice"));
+}
+
+TEST(Parts, SatelliteFixesWeighByTheSigmaTheirReceiverStates) {
+  auto site = std::make_shared<Site>();
+  site->georeference = Georeference{{48.0, 11.0}, 0.0};
+  const auto factory = *assemble(with({{"measurement", {"none", {}}}, {"motion", {"still", {{"wander_m_rts", 0.0}}}}, {"filter", {"kalman", {}}}}), site);
+  const auto tracker = factory->make_tracker(Random(1), std::nullopt);
+  tracker->feed(GnssFix{at(1.0), site->georeference->to_geo({0.0, 0.0}), 4.0, {}, {}});
+  tracker->feed(GnssFix{at(1.0), site->georeference->to_geo({10.0, 0.0}), 8.0, {}, {}});
+  const auto position = tracker->position(at(1.0));
+  ASSERT_TRUE(position);
+  EXPECT_NEAR(position->place.point.x_m, 10.0 * 16.0 / (16.0 + 64.0), 1e-3);  // weighted by 1 / sigma^2
+  EXPECT_NEAR(position->place.point.y_m, 0.0, 1e-3);
 }
 
 // What a stranger writes first: a fix and no more.

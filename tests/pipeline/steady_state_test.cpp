@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <new>
@@ -46,7 +47,7 @@ std::shared_ptr<const TrackerFactory> pipeline(const std::string& name) {
   return *assemble(*preset(name), site);
 }
 
-class SteadyState : public testing::TestWithParam<const char*> {};
+class SteadyState : public testing::TestWithParam<std::string> {};
 
 TEST_P(SteadyState, StepsAndScansAllocateNothing) {
   const auto tracker = pipeline(GetParam())->make_tracker(Random(1));
@@ -70,7 +71,11 @@ TEST_P(SteadyState, StepsAndScansAllocateNothing) {
   EXPECT_EQ(std::exchange(allocations, 0), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Presets, SteadyState, testing::Values("default", "p1", "p2", "p4", "wknn"));
+INSTANTIATE_TEST_SUITE_P(Presets, SteadyState, testing::ValuesIn(preset_names()), [](const auto& preset) {
+  std::string name = preset.param;
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
 
 }  // namespace
 }  // namespace wayfuse
