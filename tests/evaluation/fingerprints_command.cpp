@@ -23,11 +23,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
+constexpr const char* kUjiTraining = "trainingData.csv";
 constexpr int kFloorsABuilding = 100;  // a building's floors in one ordinal: building * 100 + floor
 
 struct FingerprintsOptions {
   std::string data;
-  std::string format = "uji";
+  std::string format = "auto";
   std::vector<std::string> training;
   std::vector<std::string> validation;
   std::vector<std::string> locators = {"knn:k=5,exponent=2,floor_dbm=-105", "wknn", "gaussian", "similarity"};
@@ -53,7 +54,7 @@ Result<Tables> read_uji_split(const FingerprintsOptions& options) {
   const auto file = [&](const std::vector<std::string>& named, const char* published) {
     return named.empty() ? (fs::path(options.data) / published).string() : named.front();
   };
-  auto training = read_uji(file(options.training, "trainingData.csv"));
+  auto training = read_uji(file(options.training, kUjiTraining));
   if (!training) return training.fault();
   auto validation = read_uji(file(options.validation, "validationData.csv"));
   if (!validation) return validation.fault();
@@ -61,6 +62,11 @@ Result<Tables> read_uji_split(const FingerprintsOptions& options) {
     return Fault{FaultCode::kOutOfRange, "validation", "other access points than the training table"};
   }
   return Tables{*std::move(training), *std::move(validation), {}};
+}
+
+bool is_uji(const FingerprintsOptions& options) {
+  if (options.format != "auto") return options.format == "uji";
+  return options.training.empty() ? fs::exists(fs::path(options.data) / kUjiTraining) : options.training.size() == 1;
 }
 
 // The files the command line names, else those that name themselves.
@@ -230,14 +236,14 @@ void write_report(const FingerprintsOptions& options, const std::vector<LocatorS
   std::ofstream out(fs::path(options.report) / "report.md");
   out << "# Fingerprints\n\nEach validation scan alone, against the training scans. Floor: building and floor right; a scan "
          "without an answer is a miss."
-         "\n\n| locator | mean (95 %) | true metres | median | p75 | p90 | floor hit % |\n| --- | ---: | ---: | ---: | ---: | "
-         "---: | ---: |\n";
+         "\n\n| locator | mean (95 %) | true metres | median | p75 | p90 | floor hit % | no answer |\n| --- | ---: | ---: | ---: | ---: | "
+         "---: | ---: | ---: |\n";
   char line[300];
   std::vector<ValueSeries> series;
   for (const LocatorScore& s : scores) {
-    std::snprintf(line, sizeof line, "| %s | %.2f [%.2f, %.2f] | %.2f | %.2f | %.2f | %.2f | %.1f |\n", s.name.c_str(),
+    std::snprintf(line, sizeof line, "| %s | %.2f [%.2f, %.2f] | %.2f | %.2f | %.2f | %.2f | %.1f | %zu |\n", s.name.c_str(),
                   s.error.mean, s.mean_interval.low, s.mean_interval.high, s.error.mean * true_metres, s.error.median,
-                  s.error.p75, s.error.p90, 100 * s.floor_hit);
+                  s.error.p75, s.error.p90, 100 * s.floor_hit, s.unanswered);
     out << line;
     series.push_back({s.name, s.errors});
   }
@@ -251,7 +257,7 @@ int measure_fingerprints(const FingerprintsOptions& options) {
     std::fprintf(stderr, "wayfuse-eval fingerprints: %s\n", to_string(fault).c_str());
     return 2;
   };
-  const auto tables = options.format == "uji" ? read_uji_split(options) : read_levels_split(options);
+  const auto tables = is_uji(options) ? read_uji_split(options) : read_levels_split(options);
   if (!tables) return complain(tables.fault());
   const std::vector<ReferencePoint> survey = survey_of(tables->training);
   const LocatingSite site{RadioMap::build(survey), survey, {}};
@@ -266,17 +272,17 @@ int measure_fingerprints(const FingerprintsOptions& options) {
     if (names.size() < 2) continue;
     for (const std::string& part : names) by_part.push_back(score_run(run, *tables, &part));
   }
-  const bool uji = options.format == "uji";
+  const bool uji = is_uji(options);
   const double true_metres = uji ? kUjiMetresPerUnit : 1.0;
   std::printf("%zu training scans, %zu validation scans, %zu access points\n", tables->training.scans.size(),
               tables->validation.scans.size(), tables->training.access_points);
-  std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75",
-              "p90", "floor");
+  std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s %9s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75",
+              "p90", "floor", "no answer");
   Json rows = Json::array();
   for (const LocatorScore& s : scores) {
-    std::printf("%-36s %7.2f [%6.2f, %5.2f] %7.2f %7.2f %7.2f %7.2f  %5.1f%%\n", s.name.c_str(), s.error.mean,
+    std::printf("%-36s %7.2f [%6.2f, %5.2f] %7.2f %7.2f %7.2f %7.2f  %5.1f%% %9zu\n", s.name.c_str(), s.error.mean,
                 s.mean_interval.low, s.mean_interval.high, uji ? s.error.mean * true_metres : s.error.rmse, s.error.median,
-                s.error.p75, s.error.p90, 100 * s.floor_hit);
+                s.error.p75, s.error.p90, 100 * s.floor_hit, s.unanswered);
     rows.push_back(row_json(s, uji ? "mercator" : "metre", 1.0));
     if (uji) rows.push_back(row_json(s, "metre", true_metres));
   }
@@ -301,8 +307,8 @@ void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen) {
   CLI::App* command =
       app.add_subcommand("fingerprints", "Accuracy of the locators on single scans of a fingerprint collection");
   command->add_option("--data", options->data, "Folder of the collection")->required();
-  command->add_option("--format", options->format, "uji: one CSV with header; levels: tables of levels and tables of x,y,z, found by their names (rss; crd, coordinates; trn, tst)")
-      ->check(CLI::IsMember({"uji", "levels"}))
+  command->add_option("--format", options->format, "auto: by the files' names; uji: one CSV with header; levels: tables of levels and tables of x,y,z, found by their names (rss; crd, coordinates; trn, tst)")
+      ->check(CLI::IsMember({"auto", "uji", "levels"}))
       ->capture_default_str();
   command
       ->add_option("--training", options->training,
