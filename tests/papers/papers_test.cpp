@@ -43,6 +43,13 @@ TEST(Papers, P3LearningTheExponentSavesTheFilter) {
   }
 }
 
+TEST(Papers, P3ABlockedNodeThrowsThePlainFilterOutOfTheRoom) {
+  const auto rows = judge(p3_experiment(), {.seeds = 4});
+  EXPECT_LT(figure(rows, "room, one node blocked", "algorithm 2", "max error"), 2.2);
+  EXPECT_GT(figure(rows, "room, one node blocked", "PF", "max error"), 5.0);
+  EXPECT_LT(figure(rows, "perturbation sweep", "10 % perturbed", "rmse"), figure(rows, "perturbation sweep", "80 % perturbed", "rmse"));
+}
+
 TEST(Papers, P4FilterBeatsTheNearestNeighbour) {
   const auto rows = judge(p4_experiment(), {.seeds = 4});
   EXPECT_LT(figure(rows, "80 measurements", "Kalman filter", "mean error"),
