@@ -103,6 +103,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
     std::vector<float> level;        ///< a node: log-likelihood, where `known` says so
     std::vector<std::uint32_t> known;  ///< a node: number of the scan it was evaluated for
     std::uint32_t scan = 0;
+    std::vector<float> cumulated;    ///< a storey's resemblances summed up, to draw from
   };
   std::unique_ptr<Scratch> borrow() const;
   void give_back(std::unique_ptr<Scratch> scratch) const;

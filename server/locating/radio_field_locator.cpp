@@ -317,11 +317,12 @@ bool RadioFieldLocator::draw(FloorOrdinal floor, Random& random, std::span<float
   if (!on || !scratch_) return false;
   float highest = -INFINITY;
   for (std::uint32_t i = on->begin; i < on->end; ++i) highest = std::max(highest, resemblance(i));
-  cumulated_.clear();
+  std::vector<float>& cumulated = scratch_->cumulated;
+  cumulated.clear();
   float total = 0.0f;
-  for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated_.push_back(total += std::exp(resemblance(i) - highest));
+  for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated.push_back(total += std::exp(resemblance(i) - highest));
   for (std::size_t k = 0; k < x_m.size(); ++k) {
-    const auto at = std::ranges::upper_bound(cumulated_, static_cast<float>(random.uniform()) * total) - cumulated_.begin();
+    const auto at = std::ranges::upper_bound(cumulated, static_cast<float>(random.uniform()) * total) - cumulated.begin();
     const auto drawn = on->begin + std::min<std::uint32_t>(static_cast<std::uint32_t>(at), on->end - on->begin - 1);
     const BuildingPoint p = field_->fingerprints()[drawn].place.point;
     x_m[k] = static_cast<float>(p.x_m + field_->weights().bandwidth_m * random.normal());

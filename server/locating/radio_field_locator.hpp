@@ -65,7 +65,6 @@ class RadioFieldLocator final : public Locator {
   mutable std::vector<std::uint8_t> exposed_;      // a storey, for the newest scan
   std::vector<float> best_;                        // a storey: mean of its smallest distances
   std::vector<FloorProbability> floors_;
-  std::vector<float> cumulated_;                   // for draw()
   int known_ = 0;
   int unknown_ = 0;
   Duration heard_before_{0};
