@@ -31,7 +31,7 @@ struct FingerprintsOptions {
   std::string format = "auto";
   std::vector<std::string> training;
   std::vector<std::string> validation;
-  std::vector<std::string> locators = {"knn:k=5,exponent=2,floor_dbm=-105", "wknn", "gaussian", "similarity"};
+  std::vector<std::string> locators = {"knn:k=5,exponent=2,floor_dbm=-105", "wknn", "gaussian", "similarity", "radio-field"};
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
   std::string json;
   std::string report;

@@ -29,9 +29,13 @@ TEST(Papers, P1FusionBeatsBothItsSubsystemsAndTheOthers) {
   EXPECT_LT(rmse("fused"), rmse("propagation model"));
 }
 
-TEST(Papers, P2CombinationBeatsTheFingerprint) {
-  const auto rows = judge(p2_experiment(), {.seeds = kSeeds});
+TEST(Papers, P2CombinationBeatsTheFingerprintAndFromTheSeventhPointOnDeadReckoning) {
+  const auto rows = judge(p2_experiment(), {.seeds = 40});
   EXPECT_LT(figure(rows, "12 check points", "combined", "mean error"), figure(rows, "12 check points", "fingerprint", "mean error"));
+  for (int point = 7; point <= 12; ++point) {
+    const std::string at = "check point " + std::to_string(point);
+    EXPECT_LT(figure(rows, at, "combined", "error"), figure(rows, at, "PDR", "error")) << at;
+  }
 }
 
 TEST(Papers, P3LearningTheExponentSavesTheFilter) {
