@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "server/locating/nearest_neighbours.hpp"
 
@@ -101,28 +102,32 @@ Probabilistic::Probabilistic(const LocatingSite& site, const ProbabilisticSettin
 }
 
 void Probabilistic::keep_samples(std::span<const ReferencePoint> survey) {
-  // The map keeps the survey's order and leaves points out; a point is found again by its place among the survivors.
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<float>> readings;  // (transmitter, point)
-  std::uint32_t j = 0;
+  // The map has an order of its own: readings go by the place they were heard at, whoever stood there.
+  using At = std::tuple<std::int32_t, double, double>;
+  const auto at = [](const Place& place) { return At{place.floor.value, place.point.x_m, place.point.y_m}; };
+  std::map<At, std::uint32_t> places;
+  for (const MapPoint& point : map_->points()) places.try_emplace(at(point.place), static_cast<std::uint32_t>(places.size()));
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<float>> readings;  // (transmitter, place)
   for (const ReferencePoint& point : survey) {
-    if (j == map_->points().size()) break;
-    if (!(point.place == map_->points()[j].place)) continue;
-    bool any = false;
+    const auto place = places.find(at(point.place));
+    if (place == places.end()) continue;
     for (const RssScan& scan : point.scans) {
       for (const ScanReading& reading : scan.readings) {
-        if (!usable(reading)) continue;
-        readings[{*map_->index_of(reading.bssid), j}].push_back(static_cast<float>(reading.rss_dbm));
-        any = true;
+        const auto transmitter = map_->index_of(reading.bssid);
+        if (usable(reading) && transmitter) readings[{*transmitter, place->second}].push_back(static_cast<float>(reading.rss_dbm));
       }
     }
-    if (any) ++j;
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;  // points at one place share their samples
+  for (const auto& [key, own] : readings) {
+    first[key] = static_cast<std::uint32_t>(samples_dbm_.size());
+    samples_dbm_.insert(samples_dbm_.end(), own.begin(), own.end());
   }
   for (std::uint32_t transmitter = 0; transmitter + 1 < first_heard_.size(); ++transmitter) {
     for (std::uint32_t k = first_heard_[transmitter]; k < first_heard_[transmitter + 1]; ++k) {
-      const auto& own = readings[{transmitter, heard_[k].point}];
-      heard_[k].first_sample = static_cast<std::uint32_t>(samples_dbm_.size());
-      heard_[k].samples = static_cast<std::uint32_t>(own.size());
-      samples_dbm_.insert(samples_dbm_.end(), own.begin(), own.end());
+      const std::pair key{transmitter, places.at(at(map_->points()[heard_[k].point].place))};
+      heard_[k].first_sample = first.at(key);
+      heard_[k].samples = static_cast<std::uint32_t>(readings.at(key).size());
     }
   }
 }
@@ -132,7 +137,7 @@ double Probabilistic::log_density(const Heard& heard, double rss_dbm) const {
     return std::exp(-0.5 * error_db * error_db / (sigma_db * sigma_db)) / (sigma_db * std::sqrt(2.0 * std::numbers::pi));
   };
   double density = 0.0;
-  if (settings_.histogram && heard.samples > 0) {
+  if (settings_.histogram) {
     for (std::uint32_t i = 0; i < heard.samples; ++i) {
       density += gaussian(rss_dbm - static_cast<double>(samples_dbm_[heard.first_sample + i]), settings_.sigma_db);
     }

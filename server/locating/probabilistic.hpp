@@ -8,7 +8,7 @@
 namespace wayfuse {
 
 struct ProbabilisticSettings {
-  bool histogram = false;          ///< the point's own readings, smoothed; otherwise a Gaussian
+  bool histogram = false;          ///< the readings heard at the point's place, smoothed; otherwise a Gaussian
   double sigma_db = 6.0;           ///< prior spread of a level at a point; the histogram's smoothing
   double prior_scans = 4.0;        ///< scans the prior counts for, against the point's own spread
   double surprise = -7.0;          ///< log density of a level the point never heard, per dB

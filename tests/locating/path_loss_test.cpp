@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "server/locating/propagation.hpp"
 #include "server/locating/probabilistic.hpp"
@@ -144,6 +145,38 @@ TEST(Probabilistic, FindsThePointOfAScanByBothDensities) {
       EXPECT_GT(fix->sigma_m, 0.0);
     }
     EXPECT_FALSE(locator->locate({}));
+  }
+}
+
+// A door that opens and closes: at the first place 50 or 80 dB, at the second always 57. In the middle of the two, 65, the Gaussian
+// believes what nobody ever heard there; the histogram does not. The survey is written from the far end, one scan a point.
+TEST(Probabilistic, TheHistogramKnowsLevelsWithTwoTops) {
+  std::vector<ReferencePoint> survey;
+  const auto hear = [&](double x_m, double rss_dbm) {
+    ReferencePoint point;
+    point.place = {{x_m, 0.0}, FloorOrdinal{0}};
+    point.scans = {{PhoneTime{}, {{Bssid{7}, rss_dbm, {}, 2412, {}, {}}}}};
+    survey.push_back(point);
+  };
+  for (int i = 0; i < 10; ++i) {
+    hear(40.0, -57.0);
+    hear(0.0, i % 2 ? -50.0 : -80.0);
+  }
+  const RssScan scan{PhoneTime{}, {{Bssid{7}, -65.0, {}, 2412, {}, {}}}};
+  const Probabilistic model({RadioMap::build(survey), survey, {}}, {.histogram = true, .sigma_db = 4.0, .temper = 1.0});
+  const auto fix = model.make()->locate(scan);
+  ASSERT_TRUE(fix);
+  // 8 dB off at 40 m against 15 dB off at the door: e^{-2} to e^{-7}, and e^{-7} more for both that nobody can rule out.
+  EXPECT_GT(fix->place.point.x_m, 35.0);
+  // At the door half of the readings are just 80 dB; being heard in the one scan of a point is certain.
+  const double expected = std::log(0.5 / (4.0 * std::sqrt(2.0 * std::numbers::pi)) + std::exp(-7.0));
+  std::vector<double> by_point(model.map().points().size());
+  KnownScan known;
+  model.map().know({PhoneTime{}, {{Bssid{7}, -80.0, {}, 2412, {}, {}}}}, known);
+  model.log_likelihood(known, by_point);
+  for (std::size_t j = 0; j < by_point.size(); ++j) {
+    if (model.map().points()[j].place.point.x_m > 0.0) continue;
+    EXPECT_NEAR(by_point[j], expected, 1e-3);
   }
 }
 
