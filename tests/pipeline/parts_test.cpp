@@ -88,6 +88,29 @@ TEST(Parts, EveryLocatorServesEveryMeasurementItPromises) {
   }
 }
 
+// A part that falls back to another in silence answers as that one does. (Kalman filters may: on linear models they are one.)
+TEST(Parts, NoneIsAnotherUnderItsOwnName) {
+  auto site = std::make_shared<Site>(*hall_site());
+  Random random(4);
+  for (ReferencePoint& point : site->survey) {
+    for (RssScan& scan : point.scans) {
+      for (ScanReading& reading : scan.readings) reading.rss_dbm += 3.0 * random.normal();
+    }
+  }
+  std::map<std::string, std::map<double, std::string>> by_error;
+  for (const PartDescription& part : part_catalogue()) {
+    if ((part.role != "locator" && part.role != "motion" && part.role != "resampler") || part.name == "none") continue;
+    std::map<std::string, PartChoice> parts = {{"locator", {"wknn", {}}}, {"motion", {"steps", {}}}, {"filter", {"particle", {{"resample_below", 1}}}}};
+    parts[part.role] = {part.name, {}};
+    const auto factory = assemble(with(parts), site);
+    ASSERT_TRUE(factory) << part.name << ": " << to_string(factory.fault());
+    const double error_m = walk_error_m(*(*factory)->make_tracker(Random(1)), *site);
+    const auto [like, fresh] = by_error[part.role].try_emplace(error_m, part.name);
+    EXPECT_TRUE(fresh) << part.name << " does just what " << like->second << " does";
+  }
+  EXPECT_EQ(by_error.size(), 3u);
+}
+
 TEST(Parts, TheSameInformationTwiceIsRefused) {
   const auto fault = [](std::map<std::string, PartChoice> parts) {
     const auto made = assemble(with(std::move(parts)), hall_site());
