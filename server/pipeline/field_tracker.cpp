@@ -1,6 +1,7 @@
 #include "server/pipeline/field_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/pipeline/reckoning.hpp"
@@ -28,6 +29,8 @@ constexpr double kRenewedWhenLost = 0.5;
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
 constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
 constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
+constexpr std::size_t kDrawn = 64;           // places that speak for a scan
+constexpr double kOutdone = 5.0;             // log-likelihood they are ahead by; honest tracks begin to suffer at 3
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
@@ -194,6 +197,7 @@ void FieldTracker::feed(const RssScan& scan) {
   } else if (informative() || climbed || lost) {
     if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
+    contradicted_ = contradicted_ || outdone(heard.log_evidence);
     const bool lost_to_another = second_opinion(heard.log_evidence, carried);
     const bool strayed = elsewhere(heard.agree) && !lost_to_another;
     cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
@@ -239,6 +243,21 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   floor_ = floors_.front().floor;
   cloud_.enter(parts_->walkable.plan(*floor_));
   return true;
+}
+
+// True when places drawn from the newest scan alone foretell it far better than the track did: it is a little way off, where the
+// survey about it still resembles the scan.
+bool FieldTracker::outdone(double log_evidence) const {
+  if (locator_->mismatch() > kFitsSurvey) return false;
+  std::array<float, kDrawn> x_m, y_m, gained{};
+  Random random = random_;  // nobody's track depends on having asked
+  const FloorOrdinal there = locator_->floors().front().floor;
+  if (!locator_->draw(there, random, x_m, y_m)) return false;
+  locator_->add_log_likelihood(x_m, y_m, there, gained);
+  const double best = static_cast<double>(std::ranges::max(gained));
+  double likelihood = 0.0;
+  for (const float each : gained) likelihood += std::exp(static_cast<double>(each) - best) / kDrawn;
+  return best + std::log(likelihood) - log_evidence > kOutdone;
 }
 
 // True when the track was given up for another one that foretells the scans better.

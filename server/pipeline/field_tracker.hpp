@@ -55,6 +55,7 @@ class FieldTracker final : public Tracker {
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
   bool second_opinion(double log_evidence, BuildingPoint carried);
+  bool outdone(double log_evidence) const;
   void stand_on(FloorOrdinal floor);
   void take_stock(const RssScan& scan, BuildingPoint carried);
   bool astray(const Fix& fix, BuildingPoint carried);
