@@ -60,10 +60,8 @@ bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch&
   for (const RadioStrength& heard : query.heard) sum += heard.strength, squares += heard.strength * heard.strength;
   field.match(query.heard, sum, std::sqrt(squares), scratch);
   field.expose(*storey, scratch);
-  const auto column = static_cast<int>(std::lround((static_cast<float>(query.place.point.x_m) - storey->x_m) / RadioField::kLattice_m));
-  const auto row = static_cast<int>(std::lround((static_cast<float>(query.place.point.y_m) - storey->y_m) / RadioField::kLattice_m));
-  if (column < 0 || row < 0 || column >= storey->columns || row >= storey->rows) return false;
-  const std::uint32_t truth = storey->first_node + static_cast<std::uint32_t>(row * storey->columns + column);
+  const auto truth = storey->node_near(query.place.point);
+  if (!truth) return false;
   const std::uint32_t end = storey->first_node + static_cast<std::uint32_t>(storey->columns * storey->rows);
   question.nodes.clear();
   question.points.clear();
@@ -71,7 +69,7 @@ bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch&
   question.walk = query.walk;
   question.least_distance = least_distance(field, *storey, query.walk, scratch);
   for (std::uint32_t node = storey->first_node; node < end; ++node) {
-    if (node == truth) question.truth = question.nodes.size();
+    if (node == *truth) question.truth = question.nodes.size();
     else if (field.kernels(node).empty()) continue;
     question.nodes.push_back(field.node(node, scratch, query.walk));
     const auto at = static_cast<int>(node - storey->first_node);

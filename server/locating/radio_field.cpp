@@ -30,6 +30,13 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
+std::optional<std::uint32_t> RadioField::Storey::node_near(BuildingPoint point) const {
+  const long column = std::lround((static_cast<float>(point.x_m) - x_m) / kLattice_m);
+  const long row = std::lround((static_cast<float>(point.y_m) - y_m) / kLattice_m);
+  if (column < 0 || row < 0 || column >= columns || row >= rows) return std::nullopt;
+  return first_node + static_cast<std::uint32_t>(row * columns + column);
+}
+
 RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldSettings& settings) : settings_(settings) {
   const auto read = [&] {
     take(read_survey(survey, {.strength = settings_.strength, .delay_s = weights_.delay_s, .spacing_s = settings_.spacing_s}));
@@ -176,8 +183,21 @@ void RadioField::lay_lattice() {
     const float mass = std::exp(-(square_m2 - nearest_m2[node]) / (2.0f * bandwidth_m * bandwidth_m) - nearest_m2[node] / (2.0f * beyond_m * beyond_m));
     kernels_[next[node]++] = {fingerprint, mass};
   });
+  count_crowds();
   const std::lock_guard lock(mutex_);
   spare_.clear();
+}
+
+// Of the node next to each: no more than 1.4 m off, where kernels are metres wide.
+void RadioField::count_crowds() {
+  std::vector<float> mass(nodes(), 0.0f);
+  for (std::uint32_t node = 0; node < nodes(); ++node) {
+    for (const Kernel& kernel : kernels(node)) mass[node] += kernel.mass;
+  }
+  crowd_.resize(fingerprints_.size());
+  for (const Storey& storey : storeys_) {
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) crowd_[i] = std::max(1.0f, mass[storey.node_near(fingerprints_[i].place.point).value()]);
+  }
 }
 
 // The middle of the distances between unrelated places: what "no information" looks like in this building.

@@ -22,7 +22,7 @@ struct FieldWeights {
   double resolution_m = 5.0;       ///< error that 68 % of single scans stay below
   double loudness = 0.0;           ///< RadioField::loudness of the survey's own scans, median
 };
-constexpr std::size_t kFieldVoters = 8;  ///< fingerprints that speak for a floor, the nearest in signal space
+constexpr std::size_t kFieldVoters = 8;  ///< fingerprints that say how well a scan fits, the nearest in signal space
 
 struct RadioFieldSettings {
   ReadingStrength strength{.power = 0.0};  ///< power 0: from the survey
@@ -30,7 +30,7 @@ struct RadioFieldSettings {
   double cosine_sharpness = 25.0;
   double neutral = 0.2;            ///< kernel mass of unsurveyed ground, which says neither yes nor no
   double beyond_m = 12.0;          ///< off the survey, how far what is heard at its edge still speaks; the bandwidth: not at all
-  double floor_gain = 10.0;        ///< log odds of floors a unit of Sorensen distance; larger makes errors stick
+  double floor_gain = 10.0;        ///< log odds of floors a unit of cosine distance; larger makes errors stick
   double delay_s = -1.0;           ///< how much later than its stamp a reading belongs; below 0: from the survey
   bool learn = true;               ///< weights and delay from the survey; otherwise FieldWeights as they stand
   double spacing_s = 2.0;          ///< between fingerprints of a survey walk
@@ -62,6 +62,8 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
     std::uint32_t first_node = 0;    ///< among all storeys' nodes
     float sorensen_middle = 1.0f;    ///< median distance between fingerprints of different walks
     float cosine_middle = 1.0f;
+    /// The node nearest to the point; absent off the lattice.
+    std::optional<std::uint32_t> node_near(BuildingPoint point) const;
   };
   struct Kernel {
     std::uint32_t fingerprint = 0;
@@ -74,6 +76,8 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   const RadioNames& radios() const { return radios_; }
   std::span<const Storey> storeys() const { return storeys_; }
   std::span<const SurveyFingerprint> fingerprints() const { return fingerprints_; }
+  /// How many fingerprints stand where this one does, by the kernel: at least 1, itself.
+  float crowd(std::uint32_t fingerprint) const { return crowd_[fingerprint]; }
   std::span<const SurveyQuery> queries() const { return queries_; }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(first_kernel_.size()) - 1; }
   std::span<const Kernel> kernels(std::uint32_t node) const {
@@ -124,6 +128,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   void near_nodes(float reach_m, const auto& each) const;
   std::uint32_t measure_storeys(float edge_m);
   void lay_lattice();
+  void count_crowds();
   void find_middles();
   void take(SurveyReading reading);
   double learn_power(const std::function<void()>& read);
@@ -138,6 +143,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   std::vector<float> sum_;                       // a fingerprint; then up to a whole block
   std::vector<float> norm_;
   std::vector<int> walk_;                        // a fingerprint
+  std::vector<float> crowd_;                     // a fingerprint
   std::vector<Home> homes_;                      // a radio
   LevelBlocks blocks_;                           // strengths, fingerprints x radios
   std::vector<std::uint32_t> first_kernel_;      // a node, and one past the end

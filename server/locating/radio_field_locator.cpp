@@ -23,6 +23,23 @@ constexpr double kMostLouder_db = 10.0;    // of one scan
 constexpr double kMostOffset_db = 12.0;
 constexpr double kScanSigma_db = 8.0;      // of one scan's loudness; those of one walk err together
 constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
+constexpr std::size_t kFloorVoters = 3;  // fingerprints that speak for a floor
+
+/// Of all of them where there are fewer.
+template <std::size_t kCount>
+float mean_of_smallest(std::span<const float> distances) {
+  std::array<float, kCount> smallest;
+  smallest.fill(std::numeric_limits<float>::infinity());
+  for (const float distance : distances) {
+    if (distance >= smallest.back()) continue;
+    std::size_t at = kCount - 1;
+    for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
+    smallest[at] = distance;
+  }
+  const auto count = static_cast<std::ptrdiff_t>(std::min(kCount, distances.size()));
+  return std::accumulate(smallest.begin(), smallest.begin() + count, 0.0f) / static_cast<float>(count);
+}
+
 }  // namespace
 
 RadioFieldLocator::RadioFieldLocator(std::shared_ptr<const RadioField> field) : field_(std::move(field)) {}
@@ -147,25 +164,19 @@ float RadioFieldLocator::resemblance(std::uint32_t fingerprint) const {
          static_cast<float>(field_->weights().cosine) * scratch_->cosine[fingerprint];
 }
 
-// A floor's score is the mean of its smallest Sorensen distances, unknown radios charged.
+// A floor's score is the mean of its smallest cosine distances, unknown radios charged: in half-surveyed buildings wrong for half as many
+// scans as Sorensen's. How well the scan fits at all is Sorensen's to say.
 void RadioFieldLocator::vote() {
   floors_.clear();
   best_.clear();
+  float fit = 1.0f;
   for (const RadioField::Storey& each : field_->storeys()) {
-    std::array<float, kFieldVoters> smallest;
-    smallest.fill(std::numeric_limits<float>::infinity());
-    for (std::uint32_t i = each.begin; i < each.end; ++i) {
-      const float distance = scratch_->sorensen[i];
-      if (distance >= smallest.back()) continue;
-      std::size_t at = kFieldVoters - 1;
-      for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
-      smallest[at] = distance;
-    }
-    const std::size_t voters = std::min<std::size_t>(kFieldVoters, each.end - each.begin);
-    best_.push_back(std::accumulate(smallest.begin(), smallest.begin() + static_cast<std::ptrdiff_t>(voters), 0.0f) / static_cast<float>(voters));
+    const auto of_storey = [&](const std::vector<float>& distances) { return std::span(distances).subspan(each.begin, each.end - each.begin); };
+    fit = std::min(fit, mean_of_smallest<kFieldVoters>(of_storey(scratch_->sorensen)));
+    best_.push_back(mean_of_smallest<kFloorVoters>(of_storey(scratch_->cosine)));
   }
   const float least = std::ranges::min(best_);
-  mismatch_ = static_cast<double>(least) / field_->weights().usual_distance;
+  mismatch_ = static_cast<double>(fit) / field_->weights().usual_distance;
   double total = 0.0;
   for (std::size_t s = 0; s < best_.size(); ++s) {
     const double vote = std::exp(-field_->settings().floor_gain * static_cast<double>(best_[s] - least));
@@ -320,7 +331,7 @@ bool RadioFieldLocator::draw(FloorOrdinal floor, Random& random, std::span<float
   std::vector<float>& cumulated = scratch_->cumulated;
   cumulated.clear();
   float total = 0.0f;
-  for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated.push_back(total += std::exp(resemblance(i) - highest));
+  for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated.push_back(total += std::exp(resemblance(i) - highest) / field_->crowd(i));
   for (std::size_t k = 0; k < x_m.size(); ++k) {
     const auto at = std::ranges::upper_bound(cumulated, static_cast<float>(random.uniform()) * total) - cumulated.begin();
     const auto drawn = on->begin + std::min<std::uint32_t>(static_cast<std::uint32_t>(at), on->end - on->begin - 1);

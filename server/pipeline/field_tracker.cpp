@@ -18,6 +18,7 @@ constexpr double kClimbing_mps = 0.15;        // steeper is a stair, a ramp or a
 constexpr double kClimbed_m = 2.0;            // by the barometer: another floor is near at hand
 constexpr double kClimbMemoryS = 30.0;
 constexpr double kFloorMemoryClimbing = 0.9;
+constexpr double kLeastVote = 1e-9;
 constexpr double kTrustClimbing = 2.5;        // power of the floor votes then
 constexpr double kRenewedOnNewFloor = 0.3;
 constexpr double kRenewedWhenAstray = 0.7;
@@ -85,6 +86,7 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       second_(other.second_),
       contradicted_(other.contradicted_),
       floors_(other.floors_),
+      floor_votes_(other.floor_votes_),
       floor_(other.floor_),
       odometry_(other.odometry_),
       newest_(other.newest_),
@@ -318,15 +320,20 @@ bool FieldTracker::believe_floors() {
       if (foreign_floor_ < kForeignFloors) return false;
     }
     double total = 0.0;
+    const double repeated = echo();
     for (const FloorProbability& vote : votes) {
+      const auto before = std::ranges::find(floor_votes_, vote.floor, &FloorProbability::floor);
+      const double said = before == floor_votes_.end() ? 1.0 : before->probability;
+      const double news = std::pow(std::max(kLeastVote, vote.probability) / std::pow(std::max(kLeastVote, said), repeated), 1.0 / (1.0 + repeated));
       auto belief = std::ranges::find(floors_, vote.floor, &FloorProbability::floor);
       if (belief == floors_.end()) belief = floors_.insert(floors_.end(), {vote.floor, 0.0});
       belief->probability = (kept * belief->probability + (1.0 - kept) / static_cast<double>(votes.size())) *
-                            (climbing ? std::pow(vote.probability, kTrustClimbing) : vote.probability);
+                            (climbing ? std::pow(news, kTrustClimbing) : news);
       total += belief->probability;
     }
     for (FloorProbability& belief : floors_) belief.probability = total > 0.0 ? belief.probability / total : 1.0 / static_cast<double>(floors_.size());
   }
+  floor_votes_.assign(votes.begin(), votes.end());
   most_probable_first(floors_);
   foreign_floor_ = 0;
   const FloorOrdinal best = floors_.front().floor;

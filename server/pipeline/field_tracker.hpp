@@ -70,6 +70,7 @@ class FieldTracker final : public Tracker {
   SecondOpinion second_;
   bool contradicted_ = false;      ///< the track, by the newest scan
   std::vector<FloorProbability> floors_;
+  std::vector<FloorProbability> floor_votes_;  ///< of the newest scan: what the next one repeats of them is not counted again
   std::optional<FloorOrdinal> floor_;
   Odometry odometry_;
   std::optional<PhoneTime> newest_;

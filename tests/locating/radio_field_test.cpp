@@ -121,6 +121,24 @@ TEST_F(RadioFieldCorridor, DrawsLieWhereTheLikelihoodIs) {
   EXPECT_FALSE(locator_->draw(FloorOrdinal{9}, random, x, y));
 }
 
+// Two corners that sound alike, one of them surveyed twenty times as often.
+TEST(RadioField, DrawsDoNotFlockToWhereManySurveyed) {
+  std::vector<ReferencePoint> survey;
+  const auto pass = [&](double x_m, int walk) {
+    for (int i = 0; i < 3; ++i) {
+      survey.push_back({{{x_m + i, 0.0}, FloorOrdinal{0}}, 0.0, "phone", "walk " + std::to_string(walk), {}, {scan_at(20.0, 0, 0.0, 3.0 * i)}});
+    }
+  };
+  for (int walk = 0; walk < 20; ++walk) pass(0.0, walk);
+  pass(40.0, 20);
+  const auto locator = std::make_shared<RadioField>(survey, in_step())->make();
+  ASSERT_TRUE(locator->locate(scan_at(20.0, 0)));
+  Random random(3);
+  std::vector<float> x(2000), y(2000);
+  ASSERT_TRUE(locator->draw(FloorOrdinal{0}, random, x, y));
+  EXPECT_NEAR(static_cast<double>(std::ranges::count_if(x, [](float each) { return each > 20.0f; })), 1000.0, 250.0);
+}
+
 TEST_F(RadioFieldCorridor, StrongRadiosNobodyHeardAroundAreImplausible) {
   RssScan scan = scan_at(20.0, 0);
   for (int i = 0; i < 3; ++i) scan.readings.push_back(reading(7, i, -35.0));

@@ -150,6 +150,27 @@ TEST(FieldTracker, AScanRepeatedAtOnceSaysNothingNew) {
   EXPECT_GT(spread_m(0.01), 1.5 * spread_m(5.0));
 }
 
+TEST(FieldTracker, AFloorGuessedOnceIsNoSurerForBeingRepeatedAtOnce) {
+  const auto surest = [](int scans, double every_s) {
+    const auto tracker = default_pipeline()->make_tracker(Random(5));
+    for (int k = 0; k < scans; ++k) {
+      // Between two floors: one of them a little louder.
+      RssScan scan = scan_at(around(20.0), 1, 1.0 + every_s * k);
+      for (ScanReading reading : scan_at(around(20.0), 0, 0.0).readings) {
+        reading.rss_dbm -= 1.0;
+        scan.readings.push_back(reading);
+      }
+      tracker->feed(scan);
+    }
+    return tracker->position(PhoneTime(from_seconds(1.0 + every_s * (scans - 1))))->floors.front().probability;
+  };
+  const double once = surest(1, 1.0);
+  ASSERT_GT(once, 0.5);
+  ASSERT_LT(once, 0.95);
+  EXPECT_NEAR(surest(10, 0.01), once, 0.02);
+  EXPECT_GT(surest(10, 10.0), once + 0.04);
+}
+
 TEST(FieldTracker, FollowsAPhoneWhoseHeadingHasNoOrigin) {
   const auto tracker = default_pipeline()->make_tracker(Random(2));
   for (double t = 0.5; t <= 90.0; t += 0.5) {
