@@ -271,7 +271,7 @@ bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
     stand_on(floor);
     return true;
   }
-  if (second_.begun() || !contradicted_) return false;
+  if (!parts_->settings.second_opinion || second_.begun() || !contradicted_) return false;
   const FloorOrdinal there = locator_->floors().front().floor;
   second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
   return false;

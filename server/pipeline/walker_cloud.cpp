@@ -38,6 +38,7 @@ PartDescription walkers_description() {
            {"stray_strides", standard.stray_strides, 0, 1, "share of fresh walkers with a stride far from the phone's; larger adapts sooner", "-"},
            {"step_sigma_rtm", standard.step_sigma_rtm, 0, 5, "blur per root metre walked", "-"},
            {"walkable", 1, 0, 1, "0: walls and shops are not looked at", "-", true},
+           {"second_opinion", 1, 0, 1, "0: a track that a scan contradicts gets no rival", "-", true},
            {"floor_memory", standard.floor_memory, 0, 1, "share of the floor belief a scan keeps; smaller changes floors sooner", "-"}}};
 }
 
@@ -53,6 +54,7 @@ WalkerSettings walker_settings(const PartSettings& s) {
   settings.stray_strides = s["stray_strides"];
   settings.step_sigma_rtm = s["step_sigma_rtm"];
   settings.walkable = s.on("walkable");
+  settings.second_opinion = s.on("second_opinion");
   settings.floor_memory = s["floor_memory"];
   return settings;
 }

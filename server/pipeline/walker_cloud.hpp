@@ -24,6 +24,7 @@ struct WalkerSettings {
   double stray_strides = 0.15;     ///< share of particles with a stride far from the phone's: people and phones it was not made for
   double step_sigma_rtm = 0.35;    ///< m per root metre walked, per axis
   bool walkable = true;            ///< particles outside the walkable area fade away
+  bool second_opinion = true;      ///< a track that a scan contradicts gets a rival (SecondOpinion)
   double floor_memory = 0.999;     ///< share of the floor belief a scan keeps; the rest is spread over all floors
   bool operator==(const WalkerSettings&) const = default;
 };
