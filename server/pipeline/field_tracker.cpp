@@ -18,7 +18,7 @@ constexpr double kClimbing_mps = 0.15;        // steeper is a stair, a ramp or a
 constexpr double kClimbed_m = 2.0;            // by the barometer: another floor is near at hand
 constexpr double kClimbMemoryS = 30.0;
 constexpr double kFloorMemoryClimbing = 0.9;
-constexpr double kLeastVote = 1e-9;
+constexpr double kLeastVote = 1e-9;           // a floor without one can still be told by the next scan
 constexpr double kTrustClimbing = 2.5;        // power of the floor votes then
 constexpr double kRenewedOnNewFloor = 0.3;
 constexpr double kRenewedWhenAstray = 0.7;
@@ -199,7 +199,6 @@ void FieldTracker::feed(const RssScan& scan) {
   } else if (informative() || climbed || lost) {
     if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
-    contradicted_ = contradicted_ || outdone(heard.log_evidence);
     const bool lost_to_another = second_opinion(heard.log_evidence, carried);
     const bool strayed = elsewhere(heard.agree) && !lost_to_another;
     cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
@@ -264,6 +263,8 @@ bool FieldTracker::outdone(double log_evidence) const {
 
 // True when the track was given up for another one that foretells the scans better.
 bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
+  if (!parts_->settings.second_opinion) return false;
+  contradicted_ = contradicted_ || outdone(log_evidence);
   const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
   if (second_.hear(*locator_, first, carried, echo(), random_)) {
     FloorOrdinal floor = *floor_;
@@ -271,7 +272,7 @@ bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
     stand_on(floor);
     return true;
   }
-  if (!parts_->settings.second_opinion || second_.begun() || !contradicted_) return false;
+  if (second_.begun() || !contradicted_) return false;
   const FloorOrdinal there = locator_->floors().front().floor;
   second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
   return false;
