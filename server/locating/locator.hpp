@@ -54,7 +54,8 @@ class Locator {
 
   /// Draws places from p(place | scan) on `floor`; false when the locator cannot, and nothing is written.
   virtual bool draw(FloorOrdinal /*floor*/, Random& /*random*/, std::span<float> /*x_m*/, std::span<float> /*y_m*/) { return false; }
-  /// How long before its arrival the newest scan's readings were heard, as the locator weighs them.
+  /// How long before its arrival the newest scan's readings were heard, as the locator weighs them; below zero, they speak for where the
+  /// phone is a moment later.
   virtual Duration heard_before() const { return Duration{0}; }
   /// How much worse the newest scan fits its best fingerprints than the survey's own scans fit another walk's: 1 = as usual,
   /// more where nobody surveyed, or where somebody plays tricks.

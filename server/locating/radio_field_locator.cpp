@@ -114,7 +114,7 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
   sum_ = static_cast<float>(sum);
   norm_ = static_cast<float>(std::sqrt(squares));
   level_db_ = sum > 0.0 ? levels / sum : 0.0;
-  if (sum > 0.0) heard_before_ = from_seconds(std::max(0.0, ages / sum - field_->weights().delay_s));
+  if (sum > 0.0) heard_before_ = from_seconds(ages / sum - field_->weights().delay_s);
   return !heard_.empty();
 }
 

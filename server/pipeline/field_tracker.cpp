@@ -27,6 +27,8 @@ constexpr double kGnssLastsS = 10.0;          // without another fix the phone m
 constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud that far off is lost
 constexpr int kFixesElsewhere = 2;
 constexpr double kRenewedWhenLost = 0.5;
+constexpr int kFirstScans = 6;                // one scan's draw holds no walkers where the next ones say
+constexpr double kRenewedAtFirst = 0.05;
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
 constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
 constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
@@ -201,12 +203,18 @@ void FieldTracker::feed(const RssScan& scan) {
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
     const bool lost_to_another = second_opinion(heard.log_evidence, carried);
     const bool strayed = elsewhere(heard.agree) && !lost_to_another;
-    cloud_.renew(strayed ? kRenewedWhenLost : parts_->settings.renewed, *locator_, *floor_, carried, compass(), random_);
+    cloud_.renew(strayed ? kRenewedWhenLost : renewed(), *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   weighed_to_ = newest_reading_;
   take_stock(scan, carried);
   locator_->rest();
+}
+
+/// Share of the cloud that each scan draws anew. None at all is a setting, too.
+double FieldTracker::renewed() const {
+  const double usual = parts_->settings.renewed;
+  return usual > 0.0 && heard_scans_ <= kFirstScans ? std::max(kRenewedAtFirst, usual) : usual;
 }
 
 /// Correlation of the newest scan's error with the last one's: in one aisle they err alike for a while.

@@ -52,6 +52,7 @@ class FieldTracker final : public Tracker {
   bool believe_floors();
   bool informative();
   double echo() const;
+  double renewed() const;
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
   bool second_opinion(double log_evidence, BuildingPoint carried);

@@ -6,6 +6,7 @@ namespace wayfuse {
 namespace {
 constexpr Duration kRemembered = std::chrono::seconds(30);
 constexpr std::size_t kMostMarks = 1024;
+constexpr Duration kAhead = std::chrono::seconds(1);
 }  // namespace
 
 void Odometry::move(PhoneTime time, double dx_m, double dy_m) {
@@ -22,11 +23,18 @@ BuildingPoint Odometry::at(PhoneTime time) const {
   if (trail.empty()) return {};
   const auto after = std::ranges::lower_bound(trail, time, {}, &Mark::time);
   if (after == trail.begin()) return trail.front().point;
-  if (after == trail.end()) return trail.back().point;
+  if (after == trail.end()) return ahead(time);
   const Mark& before = *(after - 1);
   const double share = seconds(time - before.time) / seconds(after->time - before.time);
   return {before.point.x_m + share * (after->point.x_m - before.point.x_m),
           before.point.y_m + share * (after->point.y_m - before.point.y_m)};
+}
+
+BuildingPoint Odometry::ahead(PhoneTime time) const {
+  const Mark& newest = trail_.back();
+  const BuildingPoint before = at(newest.time - kAhead);
+  const double share = seconds(std::min(time - newest.time, kAhead)) / seconds(kAhead);
+  return {newest.point.x_m + share * (newest.point.x_m - before.x_m), newest.point.y_m + share * (newest.point.y_m - before.y_m)};
 }
 
 }  // namespace wayfuse

@@ -14,7 +14,8 @@ namespace wayfuse {
 class Odometry {
  public:
   void move(PhoneTime time, double dx_m, double dy_m);
-  /// Where the phone was at `time`, in dead reckoning's own frame, by linear interpolation; ends are held.
+  /// Where the phone was at `time`, in dead reckoning's own frame, by linear interpolation. Beyond the newest motion, as fast as in the
+  /// last second and for no longer than one: reports come late. The far end is held.
   BuildingPoint at(PhoneTime time) const;
   BuildingPoint now() const { return trail_.empty() ? BuildingPoint{} : trail_.back().point; }
 
@@ -23,6 +24,7 @@ class Odometry {
     PhoneTime time;
     BuildingPoint point;
   };
+  BuildingPoint ahead(PhoneTime time) const;
   std::span<const Mark> remembered() const { return std::span(trail_).subspan(first_); }
 
   std::vector<Mark> trail_;        // forgotten marks in front go in bulk, so that nothing is allocated for long

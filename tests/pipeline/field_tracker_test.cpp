@@ -195,6 +195,16 @@ TEST(FieldTracker, FindsBackFromAWrongStartWithinFifteenSeconds) {
   EXPECT_LT(errors_m[37], 10.0) << "95 % [SAFETY R19]; median " << errors_m[19];
 }
 
+TEST(FieldTracker, AFirstScanThatErredIsSoonMadeUpFor) {
+  double sum_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const auto tracker = default_pipeline()->make_tracker(Random(seed));
+    tracker->feed(scan_at(around(-15.0), 1, 0.0));
+    sum_m += walk(*tracker, 0.0, 8.0, 0.0) / 40.0;
+  }
+  EXPECT_LT(sum_m, 10.5);
+}
+
 // To the opposite side of the block, on another floor.
 TEST(FieldTracker, CarriedOffItIsFoundWithinFifteenSeconds) {
   std::vector<double> errors_m;
