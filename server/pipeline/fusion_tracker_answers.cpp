@@ -55,7 +55,7 @@ std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
   position.radius95_m = std::max(position.radius68_m, std::hypot(filter_->radius_m(0.95), 2.0 * drift_m));
   if (heading_.started()) {
     position.heading = Heading::from_radians(heading_.heading_rad());
-    position.heading_sigma_rad = std::sqrt(heading_.variance_rad2());
+    position.heading_sigma_rad = stated_heading_sigma_rad(std::sqrt(heading_.variance_rad2()));
   } else {
     position.heading = Heading::from_vector(belief.mean.vx_mps, belief.mean.vy_mps);
     position.heading_sigma_rad = kLostHeadingRad;

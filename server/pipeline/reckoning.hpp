@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <numbers>
 
 #include "wayfuse/proto/place.hpp"
@@ -12,5 +13,7 @@ inline BuildingPoint minus(BuildingPoint a, BuildingPoint b) { return {a.x_m - b
 
 /// Sigma of a heading nobody knows: of a uniform angle.
 inline constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
+/// What a position may state: nobody knows less than nothing.
+inline double stated_heading_sigma_rad(double sigma_rad) { return std::min(sigma_rad, kLostHeadingRad); }
 
 }  // namespace wayfuse

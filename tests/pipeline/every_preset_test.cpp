@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "server/pipeline/tracker.hpp"
 #include "tests/locating/plan.hpp"
@@ -89,6 +90,17 @@ TEST_P(EveryPreset, TimeThatDoesNotPassMovesNobody) {
   again.step_length_m = 5.0;
   for (int i = 0; i < 10; ++i) one->feed(again);
   EXPECT_EQ(one->position(at_s(20.0))->place, before->place);
+}
+
+TEST_P(EveryPreset, ACompassThatKnowsNothingHoldsBackNoPosition) {
+  const auto lost = tracker(odd_site());
+  walk(*lost);
+  MotionReport motion = step(20.5);
+  motion.heading_sigma_rad = std::numbers::pi;
+  lost->feed(motion);
+  const auto position = lost->position(motion.time);
+  ASSERT_TRUE(position);
+  EXPECT_EQ(unsound(*position), "");
 }
 
 TEST_P(EveryPreset, AMinuteOfSilenceMakesLessSureAndNothingUnsound) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/locating/plan.hpp"
+#include "wayfuse/proto/codec.hpp"
 
 namespace wayfuse::testing {
 namespace {
@@ -92,15 +93,7 @@ std::shared_ptr<const Site> odd_site() {
 }
 
 std::string unsound(const FusedPosition& p) {
-  const std::pair<const char*, double> values[] = {
-      {"x", p.place.point.x_m}, {"y", p.place.point.y_m}, {"xx", p.covariance.xx_m2}, {"xy", p.covariance.xy_m2},
-      {"yy", p.covariance.yy_m2}, {"radius68", p.radius68_m}, {"radius95", p.radius95_m}, {"heading", p.heading.radians()},
-      {"heading sigma", p.heading_sigma_rad}, {"speed", p.speed_mps}, {"latitude", p.geo ? p.geo->latitude_deg : 0.0},
-      {"longitude", p.geo ? p.geo->longitude_deg : 0.0}};
-  for (const auto& [name, value] : values) {
-    if (!std::isfinite(value)) return std::string(name) + " is not finite";
-  }
-  if (p.covariance.xx_m2 < 0.0 || p.covariance.yy_m2 < 0.0) return "a variance is negative";
+  if (const auto sound = check(p, "position"); !sound) return sound.fault().field + " " + sound.fault().cause;
   if (p.radius95_m < p.radius68_m) return "the 95 % circle is the smaller";
   double sum = 0.0;
   for (const auto& floor : p.floors) sum += floor.probability;

@@ -17,7 +17,8 @@ GnssFix odd_fix(Random& random, PhoneTime time);
 /// Two surveyed floors with a georeference.
 std::shared_ptr<const Site> odd_site();
 
-/// Empty = a position may be shown: finite, circles in order, floor probabilities that sum to 1. Otherwise what is wrong.
+/// Empty = a position may be shown: it passes the check sessions make, circles in order, floor probabilities that sum to 1. Otherwise what
+/// is wrong.
 std::string unsound(const FusedPosition& position);
 
 struct OddFigures {
