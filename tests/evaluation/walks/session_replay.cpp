@@ -177,6 +177,9 @@ Result<WalkReply> SessionReplay::run(const RecordedWalk& walk, std::span<const I
   client.stop();
   loop.run_until(loop.now() + std::chrono::seconds(1));
   if (fault) return Fault{fault->code, walk.id + ": " + fault->field, fault->cause};
+  // What the last check before sending refuses is a fault of the pipeline's, not a gap in its answers.
+  if (const std::uint64_t withheld = world.counters.unsound_positions; withheld > 0)
+    return Fault{FaultCode::kInternal, walk.id, std::to_string(withheld) + " positions were withheld as unsound"};
   return reply;
 }
 
