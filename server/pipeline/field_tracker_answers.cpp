@@ -73,7 +73,7 @@ std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
   position.radius95_m = std::max(position.radius68_m, std::hypot(kRadius95 * doubt_m, 2.0 * drift_m));
   position.heading = Heading::from_radians(heading_rad_);
   position.heading_sigma_rad = stated_heading_sigma_rad(moved_to_ ? std::hypot(heading_sigma_rad_, parts_->settings.heading_sigma_rad) : kLostHeadingRad);
-  position.speed_mps = speed_mps_;
+  position.speed_mps = stated_speed_mps(speed_mps_);
   position.radio_map_version = parts_->site->radio_map_version;
   position.from = from_;
   position.from.scan_age = newest_reading_ ? std::max(Duration{0}, at - *newest_reading_) : Duration{0};

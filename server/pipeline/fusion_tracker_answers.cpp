@@ -60,7 +60,7 @@ std::optional<FusedPosition> FusionTracker::position(PhoneTime at) const {
     position.heading = Heading::from_vector(belief.mean.vx_mps, belief.mean.vy_mps);
     position.heading_sigma_rad = kLostHeadingRad;
   }
-  position.speed_mps = moved_to_ ? speed_mps_ : std::hypot(belief.mean.vx_mps, belief.mean.vy_mps);
+  position.speed_mps = stated_speed_mps(moved_to_ ? speed_mps_ : std::hypot(belief.mean.vx_mps, belief.mean.vy_mps));
   position.radio_map_version = parts_->site->radio_map_version;
   position.integrity = integrity(at);
   position.from = from_;

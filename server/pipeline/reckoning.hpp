@@ -13,7 +13,9 @@ inline BuildingPoint minus(BuildingPoint a, BuildingPoint b) { return {a.x_m - b
 
 /// Sigma of a heading nobody knows: of a uniform angle.
 inline constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3;
-/// What a position may state: nobody knows less than nothing.
+/// What a position may state, or it would be withheld as impossible: nobody knows less of a heading than nothing, and a speed that a filter
+/// made of nonsense is as fast as the protocol goes.
 inline double stated_heading_sigma_rad(double sigma_rad) { return std::min(sigma_rad, kLostHeadingRad); }
+inline double stated_speed_mps(double speed_mps) { return std::min(speed_mps, 100.0); }
 
 }  // namespace wayfuse
