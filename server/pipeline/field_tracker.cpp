@@ -21,14 +21,10 @@ constexpr double kFloorMemoryClimbing = 0.9;
 constexpr double kLeastVote = 1e-9;           // a floor without one can still be told by the next scan
 constexpr double kTrustClimbing = 2.5;        // power of the floor votes then
 constexpr double kRenewedOnNewFloor = 0.3;
-constexpr double kRenewedWhenAstray = 0.7;
 constexpr double kClearSky_m = 15.0;          // sigma of a satellite fix that can tell outdoors from indoors
 constexpr double kGnssLastsS = 10.0;          // without another fix the phone may be indoors again
 constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud that far off is lost
 constexpr int kFixesElsewhere = 2;
-constexpr double kRenewedWhenLost = 0.5;
-constexpr int kFirstScans = 6;                // one scan's draw holds no walkers where the next ones say
-constexpr double kRenewedAtFirst = 0.05;
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
 constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
 constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
@@ -196,25 +192,20 @@ void FieldTracker::feed(const RssScan& scan) {
   const bool climbed = believe_floors();
   const BuildingPoint carried = minus(odometry_.now(), odometry_.at(scan.time - locator_->heard_before()));
   const bool lost = cloud_.started() && astray(*fix, carried);
+  const bool begun_anew = lost && give_up(*fix, carried);
   if (!cloud_.started()) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
-  } else if (informative() || climbed || lost) {
-    if (climbed || lost) cloud_.renew(lost ? kRenewedWhenAstray : kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
+  } else if (!begun_anew && (informative() || climbed || lost)) {
+    if (climbed && !lost) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
     const bool lost_to_another = second_opinion(heard.log_evidence, carried);
-    const bool strayed = elsewhere(heard.agree) && !lost_to_another;
-    cloud_.renew(strayed ? kRenewedWhenLost : renewed(), *locator_, *floor_, carried, compass(), random_);
+    if (elsewhere(heard.agree) && !lost_to_another) give_up(*fix, carried);
+    cloud_.renew(cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   weighed_to_ = newest_reading_;
   take_stock(scan, carried);
   locator_->rest();
-}
-
-/// Share of the cloud that each scan draws anew. None at all is a setting, too.
-double FieldTracker::renewed() const {
-  const double usual = parts_->settings.renewed;
-  return usual > 0.0 && heard_scans_ <= kFirstScans ? std::max(kRenewedAtFirst, usual) : usual;
 }
 
 /// Correlation of the newest scan's error with the last one's: in one aisle they err alike for a while.
@@ -246,12 +237,7 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   contradicted_ = misfit && SecondOpinion::contradicts(*misfit, locator_->mismatch());
   if (!misfit || locator_->mismatch() > kFitsSurvey) return false;
   watch_.compare(*misfit, {plus(fix.place.point, carried), fix.place.floor}, *newest_);
-  if (!watch_.elsewhere()) return false;
-  const auto votes = locator_->floors();
-  floors_.assign(votes.begin(), votes.end());
-  floor_ = floors_.front().floor;
-  cloud_.enter(parts_->walkable.plan(*floor_));
-  return true;
+  return watch_.elsewhere();
 }
 
 // True when places drawn from the newest scan alone foretell it far better than the track did: it is a little way off, where the
@@ -274,16 +260,32 @@ bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
   if (!parts_->settings.second_opinion) return false;
   contradicted_ = contradicted_ || outdone(log_evidence);
   const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
-  if (second_.hear(*locator_, first, carried, echo(), random_)) {
-    FloorOrdinal floor = *floor_;
-    second_.change_places(cloud_, floor);
-    stand_on(floor);
+  if (second_.hear(*locator_, first, carried, echo(), compass(), random_)) {
+    change_places();
     return true;
   }
   if (second_.begun() || !contradicted_) return false;
   const FloorOrdinal there = locator_->floors().front().floor;
   second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
   return false;
+}
+
+// Scans have gone elsewhere for good: the rival that is there already becomes the track, or one begun from the newest scan, which
+// has then said all that it can (true). The old track is heard on as the rival.
+bool FieldTracker::give_up(const Fix& fix, BuildingPoint carried) {
+  const Place there{plus(fix.place.point, carried), locator_->floors().front().floor};
+  const bool anew = !second_.speaks_for(there);
+  if (anew) second_.begin(parts_->settings, *locator_, there.floor, parts_->walkable.plan(there.floor), carried, compass(), random_);
+  if (!second_.begun()) return false;
+  change_places();
+  if (!parts_->settings.second_opinion) second_.drop();
+  return anew;
+}
+
+void FieldTracker::change_places() {
+  FloorOrdinal floor = *floor_;
+  second_.change_places(cloud_, floor);
+  stand_on(floor);
 }
 
 // Where the winner stands, whatever floor the newest scan votes for: it won by several, and its walkers are there.

@@ -52,11 +52,12 @@ class FieldTracker final : public Tracker {
   bool believe_floors();
   bool informative();
   double echo() const;
-  double renewed() const;
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
   bool second_opinion(double log_evidence, BuildingPoint carried);
   bool outdone(double log_evidence) const;
+  bool give_up(const Fix& fix, BuildingPoint carried);
+  void change_places();
   void stand_on(FloorOrdinal floor);
   void take_stock(const RssScan& scan, BuildingPoint carried);
   bool astray(const Fix& fix, BuildingPoint carried);

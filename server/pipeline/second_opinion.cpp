@@ -33,19 +33,25 @@ void SecondOpinion::begin(const WalkerSettings& settings, Locator& locator, Floo
   if (!rival_->cloud.started()) drop();
 }
 
+bool SecondOpinion::speaks_for(Place place) const {
+  return rival_ && rival_->floor == place.floor && distance_m(rival_->cloud.spread().mean, place.point) < kSame_m;
+}
+
 void SecondOpinion::walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random) {
   if (rival_) rival_->cloud.walk(dx_m, dy_m, sigma_m, on_foot_s, random);
 }
 
-bool SecondOpinion::hear(const Locator& locator, const First& first, BuildingPoint carried, double echo, Random& random) {
+bool SecondOpinion::hear(Locator& locator, const First& first, BuildingPoint carried, double echo, const CompassPrior& compass, Random& random) {
   if (!rival_) return false;
-  const double ahead = rival_->cloud.weigh(locator, rival_->floor, carried, echo).log_evidence - first.log_evidence;
-  rival_->cloud.settle(random);
+  WalkerCloud& cloud = rival_->cloud;
+  const double ahead = cloud.weigh(locator, rival_->floor, carried, echo).log_evidence - first.log_evidence;
+  // Who was the track stays what it was: drawn to where the scans say, it would be nobody's opinion.
+  if (!rival_->unseated) cloud.renew(cloud.renewed(), locator, rival_->floor, carried, compass, random);
+  cloud.settle(random);
   const bool may_gain = first.contradicted || rival_->unseated;
   rival_->lead += (1.0 - echo) * std::clamp(ahead, -kMostOfAScan, may_gain ? kMostOfAScan : 0.0);
   if (rival_->lead >= kWins) return true;
-  const bool same = first.floor == rival_->floor && distance_m(first.mean, rival_->cloud.spread().mean) < kSame_m;
-  if (same || rival_->lead <= (rival_->unseated ? kLosesForGood : kLoses) || ++rival_->heard >= kScans) drop();
+  if (speaks_for({first.mean, first.floor}) || rival_->lead <= (rival_->unseated ? kLosesForGood : kLoses) || ++rival_->heard >= kScans) drop();
   return false;
 }
 

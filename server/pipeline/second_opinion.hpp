@@ -9,8 +9,8 @@ namespace wayfuse {
 /// A rival to a track that a scan contradicts: a cloud begun from that scan, walking and hearing beside the first.
 ///
 /// Which of the two foretells the following scans better takes the track: a Bayes factor, each scan counted for what it does not
-/// repeat of the last. A lost track is left in one piece, its place found from several scans together. Who loses is heard on for a
-/// while, and takes a hasty verdict back. There is none, and it costs nothing, while scans agree with the track. Thread: confined to
+/// repeat of the last. A lost track is left in one piece, its place found from several scans together: nobody stays behind to pull
+/// the position between two places. Who loses is heard on for a while, and takes a hasty verdict back. There is none, and it costs nothing, while scans agree with the track. Thread: confined to
 /// one session.
 class SecondOpinion {
  public:
@@ -21,6 +21,8 @@ class SecondOpinion {
   static bool contradicts(double misfit, double mismatch);
 
   bool begun() const { return rival_ != nullptr; }
+  /// The rival is about there.
+  bool speaks_for(Place place) const;
   /// From the locator's newest scan; stays unbegun when it cannot say.
   void begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan, BuildingPoint carried,
              const CompassPrior& compass, Random& random);
@@ -33,7 +35,7 @@ class SecondOpinion {
     FloorOrdinal floor;
   };
   /// The newest scan, heard by both. True: change_places() is due.
-  bool hear(const Locator& locator, const First& first, BuildingPoint carried, double echo, Random& random);
+  bool hear(Locator& locator, const First& first, BuildingPoint carried, double echo, const CompassPrior& compass, Random& random);
   void drop() { rival_.reset(); }
   /// Where begun(). The second becomes the track, and the track, with the floor it is on, the second.
   void change_places(WalkerCloud& track, FloorOrdinal& floor);

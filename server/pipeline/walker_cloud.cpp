@@ -21,6 +21,8 @@ constexpr float kStrideJitter = 0.004f;
 constexpr float kStraySigma = 0.25f;         // of a stride far from the phone's
 constexpr float kShortestStride = 0.5f, kLongestStride = 1.6f;
 constexpr double kResampleBelow = 0.5;       // of the particles, effective size
+constexpr int kFirstScans = 6;
+constexpr double kRenewedAtFirst = 0.05;
 
 }  // namespace
 
@@ -94,6 +96,7 @@ void WalkerCloud::start_about(BuildingPoint point, double sigma_m, const Compass
   std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
   scatter(0, cloud_.size(), {}, compass, random);
   started_ = true;
+  scans_ = 0;
 }
 
 void WalkerCloud::start_from(Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random) {
@@ -101,6 +104,7 @@ void WalkerCloud::start_from(Locator& locator, FloorOrdinal floor, BuildingPoint
   std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
   scatter(0, cloud_.size(), carried, compass, random);
   started_ = true;
+  scans_ = 1;
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     if (!open(cloud_.x_m()[i], cloud_.y_m()[i])) cloud_.log_weight()[i] -= kOutsidePenalty;
   }
@@ -171,6 +175,7 @@ void WalkerCloud::walked_back(std::size_t begin, BuildingPoint carried, std::spa
 }
 
 WalkerCloud::Hearing WalkerCloud::weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo) {
+  ++scans_;
   const auto gained = cloud_.scratch();  // log-likelihood of the scan
   std::ranges::fill(gained, 0.0f);
   std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
@@ -198,6 +203,10 @@ WalkerCloud::Hearing WalkerCloud::weigh(const Locator& locator, FloorOrdinal flo
   }
   cloud_.normalise();
   return {agree, static_cast<double>(best) + std::log(std::max(likelihood, kLeastLikelihood))};
+}
+
+double WalkerCloud::renewed() const {
+  return settings_.renewed > 0.0 && scans_ <= kFirstScans ? std::max(kRenewedAtFirst, settings_.renewed) : settings_.renewed;
 }
 
 // Some particles begin again where the scan says. They weigh as much as an average one.

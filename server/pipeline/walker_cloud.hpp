@@ -70,6 +70,9 @@ class WalkerCloud {
     double log_evidence = 0.0;     ///< of the whole scan, given the cloud as it was; up to a constant of the scan
   };
   Hearing weigh(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double echo);
+  /// Share of the cloud that the newest scan should draw anew: more of a young one, as one scan's draw holds no walkers where the
+  /// next ones say. None at all is a setting, too.
+  double renewed() const;
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);
@@ -88,6 +91,7 @@ class WalkerCloud {
   ParticleCloud cloud_;
   const WalkableArea::Plan* plan_ = nullptr;
   double on_foot_s_ = 0.0;         // since copies were last kept apart
+  int scans_ = 0;                  // heard since it started
   bool started_ = false;
 };
 

@@ -40,7 +40,7 @@ class SecondOpinionAbout : public testing::Test {
     track_.start_about({-60.0, 0.0}, 3.0, {}, random_);
   }
   bool hear(double log_evidence, bool contradicted = true, BuildingPoint mean = {-60.0, 0.0}) {
-    return second_.hear(there_, {log_evidence, contradicted, mean, FloorOrdinal{0}}, {}, kEcho, random_);
+    return second_.hear(there_, {log_evidence, contradicted, mean, FloorOrdinal{0}}, {}, kEcho, {}, random_);
   }
   Beacon there_{{40.0, 0.0}};
   Random random_{1};
@@ -65,7 +65,7 @@ TEST_F(SecondOpinionAbout, WhoLostByScansThatErredAlikeTakesTheVerdictBack) {
   second_.change_places(track_, floor);
   ASSERT_TRUE(second_.begun());
   Beacon here({-60.0, 0.0});  // the scans are themselves again, and agree with who they took for the track
-  EXPECT_TRUE(second_.hear(here, {-30.0, false, {40.0, 0.0}, FloorOrdinal{0}}, {}, kEcho, random_));
+  EXPECT_TRUE(second_.hear(here, {-30.0, false, {40.0, 0.0}, FloorOrdinal{0}}, {}, kEcho, {}, random_));
   second_.change_places(track_, floor);
   EXPECT_LT(distance_m(track_.spread().mean, {-60.0, 0.0}), 3.0);
 }
