@@ -19,6 +19,10 @@ constexpr double kClear = 2.0;           // standard errors
 constexpr double kDelay_s = 1.5;         // of readings, before the survey is heard
 constexpr double kDelaySigma_s = 1.0;
 constexpr double kAlikeFits = 1e-9;
+constexpr double kHalfWay = 0.5;
+constexpr double kScansToTrust = 8.0;    // for half of what they say
+constexpr std::size_t kMostShifting = 4000;  // queries: bounds the cost for a survey of days
+constexpr double kNearby_m = 12.0;       // farther off is a mistaken place, not a shifted one
 constexpr std::size_t kGroups = 8;       // of walks, left out one at a time
 constexpr std::size_t kFewestQuestions = 10;  // fewer say nothing about errors
 
@@ -83,18 +87,20 @@ double level_of(const RadioField::Pair& p, const std::array<double, 2>& weight) 
   return weight[0] * static_cast<double>(p.sorensen) + weight[1] * static_cast<double>(p.cosine);
 }
 
-/// Distance from the mean of the field's posterior to where the scan was.
-double error_m(const Question& question, const std::array<double, 2>& weight) {
+/// From where the scan was to the mean of the field's posterior, over nodes this near to where it was.
+BuildingPoint error(const Question& question, const std::array<double, 2>& weight, double within_m) {
   double highest = -INFINITY;
   for (const RadioField::Pair& pair : question.nodes) highest = std::max(highest, level_of(pair, weight));
   double total = 0.0;
-  BuildingPoint mean;
+  BuildingPoint sum;
   for (std::size_t i = 0; i < question.nodes.size(); ++i) {
+    if (distance_m(question.points[i], question.place) > within_m) continue;
     const double share = std::exp(level_of(question.nodes[i], weight) - highest);
     total += share;
-    mean = {mean.x_m + share * question.points[i].x_m, mean.y_m + share * question.points[i].y_m};
+    sum = {sum.x_m + share * question.points[i].x_m, sum.y_m + share * question.points[i].y_m};
   }
-  return distance_m({mean.x_m / total, mean.y_m / total}, question.place);
+  if (total <= 0.0) return {};
+  return {sum.x_m / total - question.place.x_m, sum.y_m / total - question.place.y_m};
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -208,6 +214,31 @@ double likeliest_delay_s(std::span<const double> delays_s, std::span<const Surve
   return kDelay_s + trust * (*top - kDelay_s);
 }
 
+std::vector<BuildingPoint> shifts_of_walks(const RadioField& field) {
+  std::vector<int> asked;
+  for (const SurveyQuery& query : field.queries()) {
+    const auto walk = static_cast<std::size_t>(query.walk);
+    if (asked.size() <= walk) asked.resize(walk + 1);
+    asked[walk]++;
+  }
+  std::vector<BuildingPoint> errors(asked.size());
+  std::vector<double> scans(asked.size());
+  const auto scratch = field.borrow();
+  Question question;
+  for (const SurveyQuery* query : some_of(field.queries(), kMostShifting)) {
+    const auto walk = static_cast<std::size_t>(query->walk);
+    if (asked[walk] < 2 || !ask(field, *query, *scratch, question)) continue;
+    const BuildingPoint off = error(question, {field.weights().sorensen, field.weights().cosine}, kNearby_m);
+    errors[walk] = {errors[walk].x_m + off.x_m, errors[walk].y_m + off.y_m};
+    scans[walk]++;
+  }
+  for (std::size_t walk = 0; walk < errors.size(); ++walk) {
+    const double share = kHalfWay / (scans[walk] + kScansToTrust);
+    errors[walk] = {share * errors[walk].x_m, share * errors[walk].y_m};
+  }
+  return errors;
+}
+
 Learnt learn_weights(const RadioField& field, std::size_t most_queries) {
   FieldWeights learnt = field.weights();
   const FieldWeights standard;
@@ -249,7 +280,7 @@ Learnt learn_weights(const RadioField& field, std::size_t most_queries) {
   if (loudness.size() >= kFewestQuestions) learnt.loudness = quantile(loudness, 0.5);
   std::vector<double> errors_m, distances;
   for (const Question& question : questions) {
-    errors_m.push_back(error_m(question, weight));
+    errors_m.push_back(distance_m(error(question, weight, INFINITY), {}));
     distances.push_back(static_cast<double>(question.least_distance));
   }
   learnt.resolution_m = std::clamp(quantile(errors_m, 0.68), 0.5, 50.0);

@@ -27,6 +27,13 @@ struct Learnt {
 /// Deterministic. Cost: bounded by `most_queries`, whatever the survey's size; they are spread over all walks.
 Learnt learn_weights(const RadioField& field, std::size_t most_queries = 400);
 
+/// How far each survey walk, by its number, is to be moved towards where the others hear it, in metres. Ways are marked by hand and
+/// walked by a body and a clock: what a walk is off by as a whole is known from nobody but the other walks.
+///
+/// Half of its scans' mean error, each scan matched without its own walk and against ground nearby only: the others come the other
+/// half of the way. Few scans say little, and their mean is drawn to nothing; a single one, or a standing point, stays.
+std::vector<BuildingPoint> shifts_of_walks(const RadioField& field);
+
 /// Whether `challenger` tells more than chance would: its lead is twice its standard error over walks, whose scans err together.
 bool clearly_better(const SurveyFit& challenger, const SurveyFit& standard);
 

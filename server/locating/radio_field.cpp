@@ -46,8 +46,8 @@ RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldS
   if (settings_.delay_s < 0.0 && settings_.learn) weights_.delay_s = learn_delay_s(read);
   read();
   if (!settings_.learn || queries_.empty()) return;
+  bring_walks_together();
   weights_ = learn_weights(*this).weights;
-  lay_lattice();
 }
 
 // The representation that explains the survey's own scans best, each judged with the weights it would get. The first one stays
@@ -79,6 +79,20 @@ double RadioField::learn_delay_s(const std::function<void()>& read) {
   return likeliest_delay_s(kDelays_s, fits);
 }
 
+// By shifts_of_walks, with the standard weights: the weights are learnt over the walks as they stand then.
+void RadioField::bring_walks_together() {
+  const std::vector<BuildingPoint> shifts = shifts_of_walks(*this);
+  const auto move = [&](Place& place, int walk) {
+    const auto number = static_cast<std::size_t>(walk);
+    if (number >= shifts.size()) return;
+    place.point = {place.point.x_m + shifts[number].x_m, place.point.y_m + shifts[number].y_m};
+  };
+  for (SurveyFingerprint& fingerprint : fingerprints_) move(fingerprint.place, fingerprint.walk);
+  for (SurveyQuery& query : queries_) move(query.place, query.walk);
+  find_homes();
+  lay_lattice();
+}
+
 std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<RadioFieldLocator>(shared_from_this()); }
 
 void RadioField::take(SurveyReading reading) {
@@ -95,6 +109,7 @@ void RadioField::take(SurveyReading reading) {
     storeys_.back().end = i + 1;
   }
   index_fingerprints();
+  find_homes();
   lay_lattice();
   find_middles();
 }
@@ -104,12 +119,10 @@ void RadioField::index_fingerprints() {
   sum_.assign(fingerprints_.size(), 0.0f);
   norm_.assign(fingerprints_.size(), 0.0f);
   walk_.clear();
-  homes_.assign(radios_.size(), {});
   for (const SurveyFingerprint& fingerprint : fingerprints_) walk_.push_back(fingerprint.walk);
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     for (const RadioStrength& heard : fingerprints_[i].heard) {
       levels.push_back({i, heard.radio, heard.strength});
-      if (heard.strength > homes_[heard.radio].strength) homes_[heard.radio] = {fingerprints_[i].place, heard.strength};
       sum_[i] += heard.strength;
       norm_[i] += heard.strength * heard.strength;
     }
@@ -118,6 +131,15 @@ void RadioField::index_fingerprints() {
   blocks_ = LevelBlocks(fingerprints_.size(), radios_.size(), levels);
   sum_.resize(blocks_.padded());
   norm_.resize(blocks_.padded());
+}
+
+void RadioField::find_homes() {
+  homes_.assign(radios_.size(), {});
+  for (const SurveyFingerprint& fingerprint : fingerprints_) {
+    for (const RadioStrength& heard : fingerprint.heard) {
+      if (heard.strength > homes_[heard.radio].strength) homes_[heard.radio] = {fingerprint.place, heard.strength};
+    }
+  }
 }
 
 // Every node within `reach_m` of a fingerprint: each(node, fingerprint, squared distance in m2).

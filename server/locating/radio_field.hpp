@@ -125,6 +125,8 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
 
  private:
   void index_fingerprints();
+  void find_homes();
+  void bring_walks_together();
   void near_nodes(float reach_m, const auto& each) const;
   std::uint32_t measure_storeys(float edge_m);
   void lay_lattice();

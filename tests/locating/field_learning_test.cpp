@@ -94,12 +94,44 @@ TEST(RadioFieldLearning, StaysWithTheUsualPowerUnlessTheSurveySaysOtherwise) {
   EXPECT_EQ(RadioField(walked(kRadios_m, 1.5, 1.0), {}).settings().strength.power, 2.72);
 }
 
+/// The first walk of `walked`, which lies this far along the corridor.
+double first_place_m(const RadioField& field) {
+  double sum = 0.0;
+  int count = 0;
+  for (const SurveyFingerprint& fingerprint : field.fingerprints()) {
+    if (fingerprint.walk == 0) sum += fingerprint.place.point.x_m, ++count;
+  }
+  return sum / count;
+}
+
+TEST(ShiftsOfWalks, BringAWalkThatWasMarkedMetresOffNearerToTheOthers) {
+  auto survey = walked(kRadios_m, 1.5, 1.5);
+  for (ReferencePoint& point : survey) {
+    if (point.walk == "walk 0") point.place.point.x_m += 4.0;
+  }
+  const RadioField as_marked(survey, {.delay_s = 1.5, .learn = false});
+  const std::vector<BuildingPoint> shifts = shifts_of_walks(as_marked);
+  ASSERT_EQ(shifts.size(), 16u);
+  EXPECT_LT(shifts[0].x_m, -0.6);
+  EXPECT_GT(shifts[0].x_m, -2.0) << "no more than half of the way";
+  for (std::size_t walk = 1; walk < shifts.size(); ++walk) EXPECT_LT(std::abs(shifts[walk].x_m), 0.5) << walk;
+  const RadioField learnt(survey, {.delay_s = 1.5});
+  EXPECT_NEAR(first_place_m(learnt), first_place_m(as_marked) + shifts[0].x_m, 1e-6);
+}
+
+TEST(ShiftsOfWalks, StandingPointsStay) {
+  auto survey = walked(kRadios_m, 0.0, 1.5);
+  for (ReferencePoint& point : survey) point.walk.clear();
+  for (const BuildingPoint& shift : shifts_of_walks(RadioField(survey, {.learn = false}))) EXPECT_EQ(shift, BuildingPoint{});
+}
+
 TEST(RadioFieldLearning, IsTheSameEveryTime) {
   const auto survey = walked(kRadios_m, 1.0, 1.5);
   const RadioField a(survey, {}), b(survey, {});
   EXPECT_EQ(a.weights().delay_s, b.weights().delay_s);
   EXPECT_EQ(a.weights().sorensen, b.weights().sorensen);
   EXPECT_EQ(a.weights().cosine, b.weights().cosine);
+  EXPECT_EQ(first_place_m(a), first_place_m(b));
 }
 
 }  // namespace

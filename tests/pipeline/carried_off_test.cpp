@@ -15,10 +15,10 @@ class Scripted final : public Locator {
  public:
   std::unique_ptr<Locator> clone() const override { return std::make_unique<Scripted>(*this); }
   /// The only reading's level says what to play: -50 here, -60 carried off, -70 too, but the floors are taken for one another,
-  /// -80 carried off to where the survey about the track resembles the scan as well.
+  /// -80 carried off to where the survey about the track resembles the scan as well, -90 to where it does not at all.
   std::optional<Fix> locate(const RssScan& scan) override {
     level_dbm_ = scan.readings[0].rss_dbm;
-    const bool above_first = level_dbm_ == -60.0 || level_dbm_ == -80.0;
+    const bool above_first = level_dbm_ == -60.0 || level_dbm_ <= -80.0;
     votes_ = {{{FloorOrdinal{above_first ? 1 : 0}, 0.6}, {FloorOrdinal{above_first ? 0 : 1}, 0.4}}};
     return Fix{{point(), FloorOrdinal{away() ? 1 : 0}}, 3.0, 10};
   }
@@ -41,7 +41,8 @@ class Scripted final : public Locator {
   }
   std::optional<double> misfit(FloorOrdinal, BuildingPoint at) const override {
     if (level_dbm_ == -80.0) return 0.0;
-    return distance_m(at, point()) > 25.0 ? 0.1 : -0.3;
+    if (distance_m(at, point()) <= 25.0) return -0.3;
+    return level_dbm_ == -90.0 ? 0.5 : 0.1;
   }
 
  private:
@@ -58,13 +59,16 @@ class ScriptedModel final : public LocatorModel {
 
 class CarriedOff : public testing::Test {
  protected:
-  CarriedOff() {
+  CarriedOff() { begin({}); }
+  void begin(const WalkerSettings& settings) {
     auto parts = std::make_shared<FieldTrackerParts>();
     parts->site = std::make_shared<Site>();
     parts->locator = std::make_shared<ScriptedModel>();
+    parts->settings = settings;
     tracker_ = std::make_unique<FieldTracker>(parts, Random(3), std::nullopt);
   }
-  Place hear(double level_dbm) {
+  Place hear(double level_dbm) { return track(level_dbm).place; }
+  FusedPosition track(double level_dbm) {
     MotionReport motion;
     motion.time = PhoneTime(from_seconds(time_s_ += 2.0));
     motion.interval = from_seconds(2.0);
@@ -72,7 +76,7 @@ class CarriedOff : public testing::Test {
     motion.step_length_m = 0.1;
     tracker_->feed(motion);
     tracker_->feed(RssScan{motion.time, {{Bssid{1}, level_dbm, Duration{0}, 2437, {}, {}}}});
-    return tracker_->position(motion.time)->place;
+    return *tracker_->position(motion.time);
   }
   std::unique_ptr<FieldTracker> tracker_;
   double time_s_ = 0.0;
@@ -92,6 +96,32 @@ TEST_F(CarriedOff, PlacesThatForetellTheScanFarBetterAreHeardThoughTheSurveyAbou
   Place place;
   for (int i = 0; i < 3; ++i) place = hear(-80.0);
   EXPECT_LT(distance_m(place.point, kThere), 10.0);
+}
+
+TEST_F(CarriedOff, NobodyStaysBehindToPullThePositionBetweenTwoPlaces) {
+  for (int i = 0; i < 10; ++i) hear(-50.0);
+  hear(-90.0);
+  const FusedPosition position = track(-90.0);
+  EXPECT_LT(distance_m(position.place.point, kThere), 5.0);
+  EXPECT_EQ(position.place.floor, FloorOrdinal{1});
+  EXPECT_LT(position.radius68_m, 8.0);
+}
+
+TEST_F(CarriedOff, WhoWasGivenUpIsHeardOnAndComesBack) {
+  for (int i = 0; i < 10; ++i) hear(-50.0);
+  hear(-90.0);
+  ASSERT_LT(distance_m(hear(-90.0).point, kThere), 5.0);
+  for (int i = 0; i < 2; ++i) hear(-50.0);
+  const Place place = hear(-50.0);
+  EXPECT_LT(distance_m(place.point, kHere), 10.0);
+  EXPECT_EQ(place.floor, FloorOrdinal{0});
+}
+
+TEST_F(CarriedOff, WithoutSecondOpinionsTheTrackBeginsAnewJustSo) {
+  begin({.second_opinion = false});
+  for (int i = 0; i < 10; ++i) hear(-50.0);
+  hear(-90.0);
+  EXPECT_LT(distance_m(hear(-90.0).point, kThere), 5.0);
 }
 
 }  // namespace
