@@ -62,6 +62,7 @@ std::shared_ptr<const LocatorModel> radio_field(const LocatingSite& site, const 
   settings.floor_gain = s["floor_gain"];
   settings.delay_s = s["delay_s"];
   settings.learn = s.on("learn");
+  settings.between = s.on("between");
   return std::make_shared<RadioField>(site.survey, settings);
 }
 
@@ -105,7 +106,8 @@ std::span<const LocatorRow> locator_catalogue() {
                    {"beyond_m", kField.beyond_m, 1, 50, "off the survey, how far what is heard at its edge still speaks; larger holds on to walkers there", "-"},
                    {"floor_gain", kField.floor_gain, 0, 100, "log odds of floors a unit of distance; larger makes errors stick", "-"},
                    {"delay_s", kField.delay_s, -1, 10, "how much later than its stamp a reading belongs; below 0: learnt from the survey's walks", "-"},
-                   {"learn", 1, 0, 1, "0: the weights stay as they are written", "-", true}}},
+                   {"learn", 1, 0, 1, "0: the weights stay as they are written, and walks where they were marked", "-", true},
+                   {"between", 1, 0, 1, "0: nothing is said of ground between survey walks but by its edges", "-", true}}},
                  radio_field, true, false, true},
       LocatorRow{{"locator", "similarity", "neighbours by what both heard: Sorensen and cosine of powed levels",
                   {{"k", static_cast<double>(kLike.k), 1, 64, "neighbours averaged; more are smoother and blur corners", "-", true},

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/locating/between_walks.hpp"
 #include "server/locating/field_learning.hpp"
 #include "server/locating/radio_field_locator.hpp"
 
@@ -45,9 +46,11 @@ RadioField::RadioField(std::span<const ReferencePoint> survey, const RadioFieldS
   if (settings_.strength.power <= 0.0) settings_.strength.power = settings_.learn ? learn_power(read) : kPowers.front();
   if (settings_.delay_s < 0.0 && settings_.learn) weights_.delay_s = learn_delay_s(read);
   read();
-  if (!settings_.learn || queries_.empty()) return;
-  bring_walks_together();
-  weights_ = learn_weights(*this).weights;
+  if (settings_.learn && !queries_.empty()) {
+    bring_walks_together();
+    weights_ = learn_weights(*this).weights;
+  }
+  if (settings_.between) fill_between();
 }
 
 // The representation that explains the survey's own scans best, each judged with the weights it would get. The first one stays
@@ -93,6 +96,25 @@ void RadioField::bring_walks_together() {
   lay_lattice();
 }
 
+// After learning, which asks what each walk is told by the others alone.
+void RadioField::fill_between() {
+  std::vector<SurveyFingerprint> made = fingerprints_between(*this);
+  if (made.empty()) return;
+  std::vector<SurveyFingerprint> all;
+  auto next = made.begin();
+  for (Storey& storey : storeys_) {
+    const auto begin = static_cast<std::uint32_t>(all.size());
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) all.push_back(std::move(fingerprints_[i]));
+    storey.begin = begin;
+    storey.surveyed_end = static_cast<std::uint32_t>(all.size());
+    while (next != made.end() && next->place.floor == storey.floor) all.push_back(std::move(*next++));
+    storey.end = static_cast<std::uint32_t>(all.size());
+  }
+  fingerprints_ = std::move(all);
+  index_fingerprints();
+  lay_lattice();
+}
+
 std::unique_ptr<Locator> RadioField::make() const { return std::make_unique<RadioFieldLocator>(shared_from_this()); }
 
 void RadioField::take(SurveyReading reading) {
@@ -106,7 +128,7 @@ void RadioField::take(SurveyReading reading) {
   for (std::uint32_t i = 0; i < fingerprints_.size(); ++i) {
     const FloorOrdinal floor = fingerprints_[i].place.floor;
     if (storeys_.empty() || storeys_.back().floor != floor) storeys_.push_back({.floor = floor, .begin = i});
-    storeys_.back().end = i + 1;
+    storeys_.back().surveyed_end = storeys_.back().end = i + 1;
   }
   index_fingerprints();
   find_homes();
@@ -286,7 +308,7 @@ RadioField::Pair RadioField::node(std::uint32_t number, const Scratch& scratch, 
 bool RadioField::heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const {
   bool heard = false;
   blocks_.for_each_level(radio, [&](std::uint32_t i, float strength) {
-    heard = heard || (strength >= least_strength && i >= storey.begin && i < storey.end &&
+    heard = heard || (strength >= least_strength && i >= storey.begin && i < storey.surveyed_end &&
                       distance_m(fingerprints_[i].place.point, point) < around_m);
   });
   return heard;
@@ -296,7 +318,7 @@ std::optional<double> RadioField::loudness(std::span<const RadioStrength> heard,
                                            int without_walk) const {
   double sum = 0.0;
   int count = 0;
-  for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+  for (std::uint32_t i = storey.begin; i < storey.surveyed_end; ++i) {
     const SurveyFingerprint& there = fingerprints_[i];
     if (there.walk == without_walk || distance_m(there.place.point, point) > kAround_m) continue;
     double ours = 0.0, theirs = 0.0;

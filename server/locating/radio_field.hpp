@@ -32,7 +32,8 @@ struct RadioFieldSettings {
   double beyond_m = 12.0;          ///< off the survey, how far what is heard at its edge still speaks; the bandwidth: not at all
   double floor_gain = 10.0;        ///< log odds of floors a unit of cosine distance; larger makes errors stick
   double delay_s = -1.0;           ///< how much later than its stamp a reading belongs; below 0: from the survey
-  bool learn = true;               ///< weights and delay from the survey; otherwise FieldWeights as they stand
+  bool learn = true;               ///< weights, delay and shifts of walks from the survey; otherwise FieldWeights as they stand
+  bool between = true;             ///< fingerprints for ground between survey walks (between_walks.hpp)
   double spacing_s = 2.0;          ///< between fingerprints of a survey walk
 };
 
@@ -54,6 +55,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   struct Storey {
     FloorOrdinal floor;
     std::uint32_t begin = 0;         ///< its fingerprints are begin .. end - 1
+    std::uint32_t surveyed_end = 0;  ///< from here on they are made up from those before (between_walks.hpp)
     std::uint32_t end = 0;
     float x_m = 0.0f;                ///< of node (0, 0)
     float y_m = 0.0f;
@@ -84,7 +86,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
     return {kernels_.data() + first_kernel_[node], first_kernel_[node + 1] - first_kernel_[node]};
   }
 
-  /// Whether a fingerprint within `around_m` of the point hears the radio with at least this strength.
+  /// Whether a surveyed fingerprint within `around_m` of the point hears the radio with at least this strength.
   bool heard_near(std::uint32_t radio, const Storey& storey, BuildingPoint point, double around_m, float least_strength) const;
 
   /// Where the survey heard a radio loudest: it stands near there if that was loud.
@@ -94,7 +96,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   };
   const Home& home(std::uint32_t radio) const { return homes_[radio]; }
 
-  /// How much stronger `heard` is than the fingerprints around the point, over the radios both hear: mean of the logarithms of
+  /// How much stronger `heard` is than the surveyed fingerprints around the point, over the radios both hear: mean of the logarithms of
   /// the sums' ratios; absent where fewer than three fingerprints share three radios. Those of `without_walk` are left out.
   std::optional<double> loudness(std::span<const RadioStrength> heard, const Storey& storey, BuildingPoint point, int without_walk = -1) const;
 
@@ -127,6 +129,7 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   void index_fingerprints();
   void find_homes();
   void bring_walks_together();
+  void fill_between();
   void near_nodes(float reach_m, const auto& each) const;
   std::uint32_t measure_storeys(float edge_m);
   void lay_lattice();

@@ -171,7 +171,7 @@ void RadioFieldLocator::vote() {
   best_.clear();
   float fit = 1.0f;
   for (const RadioField::Storey& each : field_->storeys()) {
-    const auto of_storey = [&](const std::vector<float>& distances) { return std::span(distances).subspan(each.begin, each.end - each.begin); };
+    const auto of_storey = [&](const std::vector<float>& distances) { return std::span(distances).subspan(each.begin, each.surveyed_end - each.begin); };
     fit = std::min(fit, mean_of_smallest<kFieldVoters>(of_storey(scratch_->sorensen)));
     best_.push_back(mean_of_smallest<kFloorVoters>(of_storey(scratch_->cosine)));
   }
@@ -274,7 +274,7 @@ std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoin
   if (!scratch_ || known_ < kEnoughToPlace) return std::nullopt;
   float here = 2.0f, elsewhere = 2.0f;
   for (const RadioField::Storey& each : field_->storeys()) {
-    for (std::uint32_t i = each.begin; i < each.end; ++i) {
+    for (std::uint32_t i = each.begin; i < each.surveyed_end; ++i) {
       const bool near = each.floor == floor && distance_m(field_->fingerprints()[i].place.point, point) < kAround_m;
       float& least = near ? here : elsewhere;
       least = std::min(least, scratch_->sorensen[i]);
@@ -298,10 +298,12 @@ void RadioFieldLocator::leave_out_misplaced() {
   field_->match(heard_, sum, std::sqrt(std::max(squares, 1e-6f)), *scratch_);
   std::array<std::pair<float, std::uint32_t>, kFieldVoters> best;
   best.fill({2.0f, 0});
-  for (std::uint32_t i = 0; i < field_->fingerprints().size(); ++i) {
-    if (scratch_->sorensen[i] >= best.back().first) continue;
-    best.back() = {scratch_->sorensen[i], i};
-    for (std::size_t at = best.size() - 1; at > 0 && best[at] < best[at - 1]; --at) std::swap(best[at], best[at - 1]);
+  for (const RadioField::Storey& each : field_->storeys()) {
+    for (std::uint32_t i = each.begin; i < each.surveyed_end; ++i) {
+      if (scratch_->sorensen[i] >= best.back().first) continue;
+      best.back() = {scratch_->sorensen[i], i};
+      for (std::size_t at = best.size() - 1; at > 0 && best[at] < best[at - 1]; --at) std::swap(best[at], best[at - 1]);
+    }
   }
   const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
   for (const RadioStrength& each : set_aside_) {

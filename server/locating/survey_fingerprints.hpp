@@ -46,7 +46,7 @@ struct RadioStrength {
 /// One place of the survey with what is heard there, strengths ascending by radio.
 struct SurveyFingerprint {
   Place place;
-  int walk = 0;                    ///< equal numbers: the same survey walk; standing points have one each
+  int walk = 0;                    ///< equal numbers: the same survey walk; standing points have one each; -1: nobody heard it, it is made up
   std::vector<RadioStrength> heard;
 };
 
