@@ -15,7 +15,7 @@ constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion a
 constexpr double kStaleScanS = 15.0;
 // Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
 // the folds of the survey walks, once for all buildings: what differs between them is in the cloud.
-constexpr double kRadius68 = 0.88;
+constexpr double kRadius68 = 0.86;
 constexpr double kRadius95 = 2.2;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;
