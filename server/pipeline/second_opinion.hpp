@@ -10,8 +10,8 @@ namespace wayfuse {
 ///
 /// Which of the two foretells the following scans better takes the track: a Bayes factor, each scan counted for what it does not
 /// repeat of the last. A lost track is left in one piece, its place found from several scans together: nobody stays behind to pull
-/// the position between two places. Who loses is heard on for a while, and takes a hasty verdict back. There is none, and it costs nothing, while scans agree with the track. Thread: confined to
-/// one session.
+/// the position between two places. Who loses is heard on for a while, and takes a hasty verdict back. There is none, and it costs
+/// nothing, while scans agree with the track. Thread: confined to one session.
 class SecondOpinion {
  public:
   SecondOpinion() = default;
