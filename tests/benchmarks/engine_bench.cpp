@@ -176,7 +176,8 @@ BENCHMARK_CAPTURE(session, default_step, "default", false)->Unit(benchmark::kMic
 BENCHMARK_CAPTURE(session, default_scan, "default", true)->Unit(benchmark::kMicrosecond);
 
 // What a walking session holds: its tracker, the copies it may go back to, the evidence of the last seconds.
-void session_memory(benchmark::State& state, const char* preset_name) {
+// Going round in a circle it hears what it should; walking straight on, scans soon contradict the track, and some sessions hold a rival as well.
+void session_memory(benchmark::State& state, const char* preset_name, double turn_rad) {
   constexpr std::size_t kSessions = 500;
   const auto pipeline = session_pipeline(preset_name);
   std::vector<std::unique_ptr<Timeline>> sessions;
@@ -188,7 +189,9 @@ void session_memory(benchmark::State& state, const char* preset_name) {
     for (std::size_t i = 0; i < kSessions; ++i) {
       sessions.push_back(std::make_unique<Timeline>(pipeline->make_tracker(Random(i))));
       for (std::uint64_t k = 1; k <= 60; ++k) {  // two steps a second, a scan every three
-        Sample sample{k, session_step()};
+        MotionReport step = session_step();
+        step.heading = step.heading.turned_by(turn_rad * static_cast<double>(k));
+        Sample sample{k, step};
         if (k % 7 == 1) sample.body = heard;
         std::visit([&](auto& body) { body.time = PhoneTime{std::chrono::milliseconds(500 * k)}; }, sample.body);
         sessions.back()->take(sample);
@@ -199,8 +202,9 @@ void session_memory(benchmark::State& state, const char* preset_name) {
     sessions.clear();
   }
 }
-BENCHMARK_CAPTURE(session_memory, default, "default")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(session_memory, p1, "p1")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(session_memory, default, "default", 0.5)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(session_memory, default_contradicted, "default", 0.0)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(session_memory, p1, "p1", 0.5)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace wayfuse
