@@ -14,7 +14,7 @@ constexpr double kIdleDriftMps = 0.5;
 constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion at all may walk as anybody does
 constexpr double kStaleScanS = 15.0;
 // Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
-// the folds of the survey walks, once for all buildings: what differs between them is in the cloud.
+// the folds of the survey walks and held against the test walks, once for all buildings: what differs between them is in the cloud.
 constexpr double kRadius68 = 0.86;
 constexpr double kRadius95 = 2.2;
 constexpr double kLeastSpread_m = 1.0;

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace wayfuse {
 namespace {
