@@ -1,5 +1,6 @@
 #include "wayfuse/proto/scan.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace wayfuse {
@@ -47,6 +48,14 @@ std::optional<Bssid> parse_bssid(std::string_view text) {
     bssid.value = bssid.value << 8 | (high * 16 + low);
   }
   return bssid;
+}
+
+std::size_t keep_youngest(RssScan& scan, std::size_t most) {
+  if (scan.readings.size() <= most) return 0;
+  const std::size_t left_out = scan.readings.size() - most;
+  std::stable_sort(scan.readings.begin(), scan.readings.end(), [](const ScanReading& a, const ScanReading& b) { return a.age < b.age; });
+  scan.readings.resize(most);
+  return left_out;
 }
 
 }  // namespace wayfuse

@@ -14,6 +14,8 @@
 namespace wayfuse {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr double kPi = std::numbers::pi;
 
 //        N az 0
@@ -106,6 +108,16 @@ TEST(Bssid, ReadsWhatPeopleWrite) {
     EXPECT_FALSE(parse_bssid(text)) << text;
   }
   EXPECT_TRUE(parse_bssid("02:00:00:00:00:00")->locally_administered());
+}
+
+TEST(RssScan, KeepsItsYoungestReadings) {
+  const auto reading = [](std::uint64_t bssid, Duration age) { return ScanReading{Bssid{bssid}, -60, age, 0, {}, {}}; };
+  RssScan scan{PhoneTime{}, {reading(1, 3s), reading(2, 1s), reading(3, 2s), reading(4, 1s)}};
+  const RssScan whole = scan;
+  EXPECT_EQ(keep_youngest(scan, 4), 0u);
+  EXPECT_EQ(scan, whole);
+  EXPECT_EQ(keep_youngest(scan, 3), 1u);
+  EXPECT_EQ(scan.readings, (std::vector{reading(2, 1s), reading(4, 1s), reading(3, 2s)}));
 }
 
 TEST(MotionReport, CountsStepsBeforeSpeedAndNothingAtRest) {

@@ -331,6 +331,19 @@ TEST_F(ClientStream, WaitsWhenItIsTooFast) {
   EXPECT_EQ(far().sequences()[3], 1u);
 }
 
+TEST_F(ClientStream, SendsTheYoungestOfAListLongerThanAMessage) {
+  start_streaming();
+  RssScan crowded{clock.now(), {}};
+  for (std::uint64_t i = 0; i < 600; ++i) crowded.readings.push_back({Bssid{i + 1}, -60, i < 88 ? 2s : 1s, 2412, {}, {}});
+  ASSERT_TRUE(client->send(crowded));
+  run(2);
+  const auto batches = far().all<SampleBatch>();
+  ASSERT_EQ(batches.size(), 1u);
+  const auto& sent = std::get<RssScan>(batches[0].samples[0].body).readings;
+  EXPECT_EQ(sent.size(), 512u);
+  for (const ScanReading& reading : sent) EXPECT_EQ(reading.age, 1s);
+}
+
 TEST_F(ClientStream, RefusesWhatBreaksTheLimits) {
   start_streaming();
   MotionReport report = step();

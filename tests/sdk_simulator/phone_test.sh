@@ -31,6 +31,16 @@ socket="ws${url#http}/v1/session"
 grep -qE '^  fused +[0-9.]+ .* [1-9][0-9]*$' "$work/replayed" || fail "no errors against the truth"
 grep -qE '^  dead reckoning .* [1-9][0-9]*$' "$work/replayed" || fail "no dead reckoning beside it"
 
+# A dense mall: over a thousand transmitters in the air, more than a message takes. The stand-in phone, like any other, hands them all over.
+dense="--floors 1 --length 60 --width 50 --transmitters 200 --networks 8"
+"$phone" world --kind mall $dense --pipeline default >"$work/mall.json"
+"$cli" --server "$url" --json building create "$work/mall.json" >"$work/building"
+mall=$(sed -n 's/^{"id":\([0-9]*\).*/\1/p' "$work/building")
+"$phone" survey --kind mall $dense --passes 1 --server "$socket" --building "$mall"
+"$phone" record --kind mall $dense --minutes 0.5 "$work/mall.jsonl"
+"$phone" replay "$work/mall.jsonl" --server "$socket" --building "$mall" --speed 12 | tee "$work/replayed"
+grep -qE '^  fused +[0-9.]+ .* [1-9][0-9]*$' "$work/replayed" || fail "no position in a mall"
+
 # A recording that is cut off in the middle of a line is named, not guessed at.
 head -c 5000 "$work/walk.jsonl" >"$work/cut.jsonl"
 "$phone" replay "$work/cut.jsonl" --server "$socket" --building "$building" 2>"$work/said" && fail "a broken recording was replayed"

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kOptionsOfVersion1 = offsetof(wayfuse_options, on_disconnected) + sizeof(wayfuse_on_disconnected);
 constexpr std::size_t kTextMost = 1 << 20;
+constexpr std::size_t kReadingsListed = 1 << 16;  // no system lists more: a count beyond is a mistake
 
 // No allocation on the way of a refusal; one a thread.
 struct Refusal {
@@ -132,9 +133,8 @@ MargSample marg_of(const wayfuse_marg_sample& sample) {
 }
 
 Result<RssScan> scan_of(int64_t time_us, const wayfuse_reading* readings, std::size_t count) {
-  if (count > Limits::kReadingsPerScan) {
-    return Fault{FaultCode::kTooLarge, "readings",
-                 std::to_string(count) + " readings, at most " + std::to_string(Limits::kReadingsPerScan)};
+  if (count > kReadingsListed) {
+    return Fault{FaultCode::kTooLarge, "readings", std::to_string(count) + " readings, at most " + std::to_string(kReadingsListed)};
   }
   RssScan scan{PhoneTime{Duration{time_us}}, {}};
   scan.readings.reserve(count);
@@ -151,6 +151,7 @@ Result<RssScan> scan_of(int64_t time_us, const wayfuse_reading* readings, std::s
     }
     scan.readings.push_back(reading);
   }
+  keep_youngest(scan, Limits::kReadingsPerScan);
   return scan;
 }
 

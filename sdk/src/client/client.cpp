@@ -36,6 +36,7 @@ Client::State::State(ClientSettings settings, ClientEvents events, LinkFactory l
 Result<void> Client::State::send(SampleBody sample) {
   if (settings_.role != Role::kTrack) return wrong_role("no samples");
   if (state_ == ClientState::kEnded) return Fault{FaultCode::kUnexpectedMessage, "", "the client has ended"};
+  if (auto* scan = std::get_if<RssScan>(&sample)) keep_youngest(*scan, Limits::kReadingsPerScan);
   if (auto checked = check_sample(sample); !checked) return checked;
   outbox_.push(std::move(sample), scheduler_.now());
   arm_flush();

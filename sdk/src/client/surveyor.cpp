@@ -66,8 +66,11 @@ struct Surveyor::Spot {
 Surveyor::Surveyor(std::string device_model, Random random) : device_model_(std::move(device_model)), random_(random) {}
 
 Result<void> Surveyor::add_point(Place place, double sigma_m, std::vector<RssScan> scans, UnixTime at) {
+  std::size_t left_out = 0;
+  for (RssScan& scan : scans) left_out += keep_youngest(scan, Limits::kReadingsPerScan);
   ReferencePoint point{place, sigma_m, device_model_, {}, at, std::move(scans)};
   if (auto checked = check(point, "point"); !checked) return checked;
+  left_out_ += left_out;
   wayfuse::add_point(std::move(point), points_);
   return {};
 }
@@ -95,8 +98,11 @@ Result<void> Surveyor::mark(PhoneTime time, Place place, double sigma_m) {
 
 Result<void> Surveyor::scan(const RssScan& scan, UnixTime at) {
   if (!walking_) return misused("no walk has begun");
-  if (auto checked = check(scan, "scan"); !checked) return checked;
-  scans_.emplace_back(scan, at);
+  RssScan kept = scan;
+  const std::size_t left_out = keep_youngest(kept, Limits::kReadingsPerScan);
+  if (auto checked = check(kept, "scan"); !checked) return checked;
+  left_out_ += left_out;
+  scans_.emplace_back(std::move(kept), at);
   return {};
 }
 

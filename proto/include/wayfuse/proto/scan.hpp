@@ -41,4 +41,8 @@ struct RssScan {
   bool operator==(const RssScan&) const = default;
 };
 
+/// Leaves the `most` youngest readings, those of one age in their order: a phone in a dense place hands over more than a message takes, and
+/// the youngest say most. Returns how many were left out; a scan of no more is not touched.
+std::size_t keep_youngest(RssScan& scan, std::size_t most);
+
 }  // namespace wayfuse

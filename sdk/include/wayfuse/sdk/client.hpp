@@ -77,7 +77,8 @@ class Client {
 
   /// Connects; also again after the end.
   void start();
-  /// Track role: numbers and keeps the sample; it goes out with the next batch. A value that breaks the limits is refused.
+  /// Track role: numbers and keeps the sample; it goes out with the next batch. A value that breaks the limits is refused;
+  /// of a longer scan than a message takes the youngest readings are sent (keep_youngest).
   Result<void> send(SampleBody sample);
   /// Survey role: queues a batch, or a part of a walk, until it is acknowledged. Full queue = kTooLarge.
   Result<void> upload(SurveyUpload upload);

@@ -41,6 +41,7 @@ class Surveyor {
   /// Batches ready to upload, each within the limits; hands them over once.
   std::vector<SurveyBatch> take_batches();
 
+  /// Those without a place, and of longer scans than a message takes the oldest ones (keep_youngest).
   std::size_t readings_left_out() const { return left_out_; }
 
  private:

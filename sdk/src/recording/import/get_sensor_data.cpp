@@ -163,7 +163,7 @@ void LogReader::add_scans(std::vector<RecordedEvent>& events) const {
     RssScan scan{at(time_s), {}};
     for (const auto& [_, reading] : readings) scan.readings.push_back(reading);
     std::ranges::stable_sort(scan.readings, {}, &ScanReading::age);
-    if (scan.readings.size() > Limits::kReadingsPerScan) scan.readings.resize(Limits::kReadingsPerScan);
+    keep_youngest(scan, Limits::kReadingsPerScan);
     events.push_back(std::move(scan));
   }
 }

@@ -123,11 +123,7 @@ void WalkReader::finish() {
   for (const auto& [time_ms, readings] : scans_) {
     RssScan scan{phone_time(time_ms), {}};
     for (const auto& [_, reading] : readings) scan.readings.push_back(reading);
-    if (scan.readings.size() > Limits::kReadingsPerScan) {
-      // What an application must do with such a list: a message takes no more, and the youngest say most.
-      std::stable_sort(scan.readings.begin(), scan.readings.end(), [](const auto& a, const auto& b) { return a.age < b.age; });
-      scan.readings.resize(Limits::kReadingsPerScan);
-    }
+    keep_youngest(scan, Limits::kReadingsPerScan);
     walk_.scans.push_back(std::move(scan));
   }
   const auto by_time = [](const auto& a, const auto& b) { return a.time < b.time; };
