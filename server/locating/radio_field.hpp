@@ -100,8 +100,17 @@ class RadioField final : public LocatorModel, public std::enable_shared_from_thi
   /// the sums' ratios; absent where fewer than three fingerprints share three radios. Those of `without_walk` are left out.
   std::optional<double> loudness(std::span<const RadioStrength> heard, const Storey& storey, BuildingPoint point, int without_walk = -1) const;
 
-  /// Memory one scan's matching needs; borrowed for the time it takes.
+  /// Memory one scan's matching needs, and what was heard in it; borrowed for the time it takes.
   struct Scratch {
+    struct Row {
+      std::uint64_t key;
+      float age_s;
+      float rss_dbm;
+    };
+    std::vector<Row> rows;           ///< readings by radio
+    std::vector<RadioStrength> heard;  ///< known radios
+    std::vector<std::optional<std::uint32_t>> strong;  ///< radios heard from close by; absent: not on the map
+    std::vector<RadioStrength> set_aside;  ///< strong ones, while the rest of the scan is asked about them
     std::vector<float> common;       ///< a fingerprint: sum of the smaller strengths; then e^{-b (d - m)}
     std::vector<float> product;      ///< a fingerprint: scalar product; then the same of the cosine
     std::vector<float> sorensen;     ///< a fingerprint: distances

@@ -47,9 +47,6 @@ RadioFieldLocator::RadioFieldLocator(std::shared_ptr<const RadioField> field) : 
 RadioFieldLocator::RadioFieldLocator(const RadioFieldLocator& other)
     : field_(other.field_),
       scratch_(other.scratch_ ? std::make_unique<RadioField::Scratch>(*other.scratch_) : nullptr),
-      rows_(other.rows_),
-      heard_(other.heard_),
-      strong_(other.strong_),
       misplaced_(other.misplaced_),
       sum_(other.sum_),
       norm_(other.norm_),
@@ -73,39 +70,39 @@ void RadioFieldLocator::rest() {
 // Readings to radios: members heard together are averaged, older ones of the same radio fall behind.
 bool RadioFieldLocator::listen(const RssScan& scan) {
   const ReadingStrength& strength = field_->settings().strength;
-  rows_.clear();
+  scratch_->rows.clear();
   for (const ScanReading& reading : scan.readings) {
     const double age_s = seconds(reading.age);
     if (age_s < 0.0 || age_s > strength.most_age_s || !std::isfinite(reading.rss_dbm)) continue;
-    rows_.push_back({RadioNames::key(reading), static_cast<float>(age_s), static_cast<float>(reading.rss_dbm)});
+    scratch_->rows.push_back({RadioNames::key(reading), static_cast<float>(age_s), static_cast<float>(reading.rss_dbm)});
   }
-  std::ranges::sort(rows_, [](const Row& a, const Row& b) { return a.key != b.key ? a.key < b.key : a.age_s < b.age_s; });
-  heard_.clear();
-  strong_.clear();
+  std::ranges::sort(scratch_->rows, [](const auto& a, const auto& b) { return a.key != b.key ? a.key < b.key : a.age_s < b.age_s; });
+  scratch_->heard.clear();
+  scratch_->strong.clear();
   double sum = 0.0, squares = 0.0, ages = 0.0, levels = 0.0;
   known_ = unknown_ = 0;
-  for (std::size_t begin = 0, end; begin < rows_.size(); begin = end) {
+  for (std::size_t begin = 0, end; begin < scratch_->rows.size(); begin = end) {
     double level = 0.0;
     int members = 0;
-    for (end = begin; end < rows_.size() && rows_[end].key == rows_[begin].key; ++end) {
-      if (rows_[end].age_s > rows_[begin].age_s + kTogetherS) continue;
-      level += static_cast<double>(rows_[end].rss_dbm);
+    for (end = begin; end < scratch_->rows.size() && scratch_->rows[end].key == scratch_->rows[begin].key; ++end) {
+      if (scratch_->rows[end].age_s > scratch_->rows[begin].age_s + kTogetherS) continue;
+      level += static_cast<double>(scratch_->rows[end].rss_dbm);
       ++members;
     }
     const double level_dbm = level / members - offset_db_;
-    const float value = strength.of(level_dbm, static_cast<double>(rows_[begin].age_s));
+    const float value = strength.of(level_dbm, static_cast<double>(scratch_->rows[begin].age_s));
     if (value <= 0.0f) continue;
-    const auto radio = field_->radios().find(rows_[begin].key);
+    const auto radio = field_->radios().find(scratch_->rows[begin].key);
     if (level / members > kStrongDbm) {
-      strong_.push_back(radio);
+      scratch_->strong.push_back(radio);
       if (!radio) continue;  // too strong to have been overlooked: new here, or a trick, and no evidence either way
     }
     sum += static_cast<double>(value);
     squares += static_cast<double>(value) * static_cast<double>(value);
-    ages += static_cast<double>(value * rows_[begin].age_s);
+    ages += static_cast<double>(value * scratch_->rows[begin].age_s);
     levels += static_cast<double>(value) * (level_dbm + 100.0);
     if (radio) {
-      heard_.push_back({*radio, value});
+      scratch_->heard.push_back({*radio, value});
       ++known_;
     } else {
       ++unknown_;
@@ -115,14 +112,14 @@ bool RadioFieldLocator::listen(const RssScan& scan) {
   norm_ = static_cast<float>(std::sqrt(squares));
   level_db_ = sum > 0.0 ? levels / sum : 0.0;
   if (sum > 0.0) heard_before_ = from_seconds(ages / sum - field_->weights().delay_s);
-  return !heard_.empty();
+  return !scratch_->heard.empty();
 }
 
 // Strengths go with a power of the level: a ratio of them, small, is so many dB of the mean level.
 void RadioFieldLocator::learn(const RssScan& /*scan*/, const Place& fused) {
   const RadioField::Storey* on = storey(fused.floor);
-  if (!on || level_db_ < kFaintest_db) return;
-  const auto ratio = field_->loudness(heard_, *on, fused.point);
+  if (!on || !scratch_ || level_db_ < kFaintest_db) return;
+  const auto ratio = field_->loudness(scratch_->heard, *on, fused.point);
   if (!ratio) return;
   const double power = field_->settings().strength.power;
   const double louder_db = std::clamp(level_db_ * (*ratio - field_->weights().loudness) / power, -kMostLouder_db, kMostLouder_db);
@@ -139,10 +136,13 @@ void RadioFieldLocator::inherit(const Locator& older) {
 }
 
 std::optional<Fix> RadioFieldLocator::locate(const RssScan& scan) {
-  if (!listen(scan)) return std::nullopt;
   if (!scratch_) scratch_ = field_->borrow();
+  if (!listen(scan)) {
+    rest();
+    return std::nullopt;
+  }
   leave_out_misplaced();
-  field_->match(heard_, sum_, norm_, *scratch_);
+  field_->match(scratch_->heard, sum_, norm_, *scratch_);
   exposed_.assign(field_->storeys().size(), 0);
   vote();
   const RadioField::Storey* best = storey(floors_.front().floor);
@@ -229,21 +229,22 @@ void RadioFieldLocator::add_log_likelihood(std::span<const float> x_m, std::span
 // A radio this strong stands within a few metres: whoever surveyed around the point must have heard it well.
 int RadioFieldLocator::implausible(FloorOrdinal floor, BuildingPoint point) const {
   const RadioField::Storey* on = storey(floor);
-  if (!on) return 0;
+  if (!on || !scratch_) return 0;
   const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
-  const auto here = std::ranges::count_if(strong_, [&](const std::optional<std::uint32_t>& radio) {
+  const auto here = std::ranges::count_if(scratch_->strong, [&](const std::optional<std::uint32_t>& radio) {
     return !radio || !field_->heard_near(*radio, *on, point, kAround_m, least);
   });
-  const auto unknown = std::ranges::count(strong_, std::optional<std::uint32_t>{});
+  const auto unknown = std::ranges::count(scratch_->strong, std::optional<std::uint32_t>{});
   return static_cast<int>(std::max(here, unknown + misplaced_));
 }
 
 // Where nobody surveyed, strong radios are not at home around any match: that is the survey's fault, not theirs. But wherever that is,
 // radios from close by are close to each other, and to the phone.
 int RadioFieldLocator::out_of_place(FloorOrdinal floor, BuildingPoint point) const {
+  if (!scratch_) return 0;
   const int apart = std::max(apart_from_each_other(), far_from_home(point));
   if (mismatch_ > kFitsNothing) return apart;
-  const int unknown = static_cast<int>(std::ranges::count(strong_, std::optional<std::uint32_t>{}));
+  const int unknown = static_cast<int>(std::ranges::count(scratch_->strong, std::optional<std::uint32_t>{}));
   return std::max(mismatch_ < kFitsWell ? implausible(floor, point) : unknown + misplaced_, unknown + apart);
 }
 
@@ -254,20 +255,20 @@ bool RadioFieldLocator::settled(const std::optional<std::uint32_t>& radio) const
 // Of the strong radios with a home: how many live too far from here to be heard from close by.
 int RadioFieldLocator::far_from_home(BuildingPoint point) const {
   return static_cast<int>(std::ranges::count_if(
-      strong_, [&](const auto& radio) { return settled(radio) && distance_m(field_->home(*radio).place.point, point) > kNeighbours_m; }));
+      scratch_->strong, [&](const auto& radio) { return settled(radio) && distance_m(field_->home(*radio).place.point, point) > kNeighbours_m; }));
 }
 
 // Of the strong radios with a home: how many are not of the largest group that can be neighbours.
 int RadioFieldLocator::apart_from_each_other() const {
   std::ptrdiff_t largest = 0;
-  for (const auto& radio : strong_) {
+  for (const auto& radio : scratch_->strong) {
     if (!settled(radio)) continue;
     const BuildingPoint home = field_->home(*radio).place.point;
-    largest = std::max(largest, std::ranges::count_if(strong_, [&](const auto& other) {
+    largest = std::max(largest, std::ranges::count_if(scratch_->strong, [&](const auto& other) {
       return settled(other) && distance_m(field_->home(*other).place.point, home) <= kNeighbours_m;
     }));
   }
-  return static_cast<int>(std::ranges::count_if(strong_, [&](const auto& radio) { return settled(radio); }) - largest);
+  return static_cast<int>(std::ranges::count_if(scratch_->strong, [&](const auto& radio) { return settled(radio); }) - largest);
 }
 
 std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoint point) const {
@@ -288,14 +289,14 @@ std::optional<double> RadioFieldLocator::misfit(FloorOrdinal floor, BuildingPoin
 // the best matches is no evidence. A copied address cannot pull the phone to where its owner stands.
 void RadioFieldLocator::leave_out_misplaced() {
   misplaced_ = 0;
-  set_aside_.clear();
-  const auto strong = [&](const RadioStrength& heard) { return std::ranges::find(strong_, std::optional(heard.radio)) != strong_.end(); };
-  std::ranges::copy_if(heard_, std::back_inserter(set_aside_), strong);
-  if (set_aside_.empty() || heard_.size() - set_aside_.size() < kFewestToDeny) return;
-  std::erase_if(heard_, strong);
+  scratch_->set_aside.clear();
+  const auto strong = [&](const RadioStrength& heard) { return std::ranges::find(scratch_->strong, std::optional(heard.radio)) != scratch_->strong.end(); };
+  std::ranges::copy_if(scratch_->heard, std::back_inserter(scratch_->set_aside), strong);
+  if (scratch_->set_aside.empty() || scratch_->heard.size() - scratch_->set_aside.size() < kFewestToDeny) return;
+  std::erase_if(scratch_->heard, strong);
   float sum = sum_, squares = norm_ * norm_;
-  for (const RadioStrength& each : set_aside_) sum -= each.strength, squares -= each.strength * each.strength;
-  field_->match(heard_, sum, std::sqrt(std::max(squares, 1e-6f)), *scratch_);
+  for (const RadioStrength& each : scratch_->set_aside) sum -= each.strength, squares -= each.strength * each.strength;
+  field_->match(scratch_->heard, sum, std::sqrt(std::max(squares, 1e-6f)), *scratch_);
   std::array<std::pair<float, std::uint32_t>, kFieldVoters> best;
   best.fill({2.0f, 0});
   for (const RadioField::Storey& each : field_->storeys()) {
@@ -306,20 +307,20 @@ void RadioFieldLocator::leave_out_misplaced() {
     }
   }
   const float least = field_->settings().strength.of(kWellHeardDbm, 0.0);
-  for (const RadioStrength& each : set_aside_) {
+  for (const RadioStrength& each : scratch_->set_aside) {
     const bool belongs = best.front().first > kVagueDistance || std::ranges::any_of(best, [&](const auto& match) {
       const Place place = field_->fingerprints()[match.second].place;
       return match.first < 2.0f && field_->heard_near(each.radio, *storey(place.floor), place.point, kAround_m, least);
     });
     if (belongs) {
-      heard_.push_back(each);
+      scratch_->heard.push_back(each);
       sum += each.strength, squares += each.strength * each.strength;
     } else {
       ++misplaced_;
       --known_;
     }
   }
-  std::ranges::sort(heard_, {}, &RadioStrength::radio);
+  std::ranges::sort(scratch_->heard, {}, &RadioStrength::radio);
   sum_ = sum;
   norm_ = std::sqrt(std::max(squares, 1e-6f));
 }

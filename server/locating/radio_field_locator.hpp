@@ -50,15 +50,6 @@ class RadioFieldLocator final : public Locator {
 
   std::shared_ptr<const RadioField> field_;
   std::unique_ptr<RadioField::Scratch> scratch_;   // from locate() to rest()
-  struct Row {
-    std::uint64_t key;
-    float age_s;
-    float rss_dbm;
-  };
-  std::vector<Row> rows_;
-  std::vector<RadioStrength> heard_;
-  std::vector<std::optional<std::uint32_t>> strong_;  // radios heard from close by; absent: not on the map
-  std::vector<RadioStrength> set_aside_;           // scratch: strong ones, while the rest of the scan is asked about them
   int misplaced_ = 0;                              // of the strong: what the rest of the scan denies
   float sum_ = 0.0f;
   float norm_ = 0.0f;
