@@ -58,14 +58,16 @@ class ScanWatch {
   double since_s(PhoneTime at) const;
   void suspect_from(PhoneTime at, Trick trick) { newest_reason_ = at, trick_ = trick; }
 
-  struct Heard {
-    Bssid bssid;
-    double rss_dbm;
-    PhoneTime at;
+  struct Heard {                   // small, as every copy of a session holds hundreds
+    std::uint32_t name;            // of the address, 32 bits of it all
+    std::int16_t level;            // hundredths of a decibel
+    std::uint16_t age;             // hundredths of a second
   };
+  static Heard brief(const ScanReading& reading);
   ScanWatchSettings settings_;
-  std::vector<Heard> last_;        ///< ascending by address: every radio's newest reading of the scan before
-  std::vector<Heard> now_;
+  std::vector<Heard> last_;        ///< ascending by name: every radio's newest reading of the scan before
+  PhoneTime last_at_;
+  std::vector<Heard> now_;         ///< scratch, empty between scans
   BuildingPoint last_odometry_;
   std::optional<PhoneTime> newest_reason_;
   Trick trick_ = Trick::kCopied;

@@ -17,7 +17,9 @@ bool Timeline::take(const Sample& sample) {
   if ((newest_ && *newest_ - key.time > window_) || key < copies_.front().applied) return false;
   if (!newest_ || key.time > *newest_) newest_ = key.time;
   if (key < applied_) rewind_before(key);
-  insert(key, sample.body);
+  if (const auto* motion = std::get_if<MotionReport>(&sample.body)) insert(key, *motion);
+  else if (const auto* scan = std::get_if<RssScan>(&sample.body)) insert(key, KeptScan(*scan));
+  else insert(key, std::get<GnssFix>(sample.body));
   return true;
 }
 
@@ -25,14 +27,18 @@ void Timeline::exchange(std::shared_ptr<const TrackerFactory> newer, Random rand
   insert({*newest_, std::variant_size_v<SampleBody>, after}, Exchange{std::move(newer), random});
 }
 
-void Timeline::insert(const Key& key, std::variant<SampleBody, Exchange> body) {
+void Timeline::insert(const Key& key, Kept body) {
   const auto place = std::ranges::upper_bound(evidence_, key, {}, &Evidence::key);
   readings_ += readings_in(*evidence_.insert(place, Evidence{key, std::move(body)}));
 }
 
 void Timeline::apply(const Evidence& evidence) {
-  if (const auto* sample = std::get_if<SampleBody>(&evidence.body)) {
-    std::visit([this](const auto& body) { tracker_->feed(body); }, *sample);
+  if (const auto* motion = std::get_if<MotionReport>(&evidence.body)) {
+    tracker_->feed(*motion);
+  } else if (const auto* scan = std::get_if<KeptScan>(&evidence.body)) {
+    tracker_->feed(scan->scan());
+  } else if (const auto* fix = std::get_if<GnssFix>(&evidence.body)) {
+    tracker_->feed(*fix);
   } else {
     const Exchange& exchange = std::get<Exchange>(evidence.body);
     tracker_ = go_on(*exchange.newer, *tracker_, evidence.key.time, exchange.random);
@@ -41,9 +47,8 @@ void Timeline::apply(const Evidence& evidence) {
 }
 
 std::size_t Timeline::readings_in(const Evidence& evidence) {
-  const auto* sample = std::get_if<SampleBody>(&evidence.body);
-  const auto* scan = sample ? std::get_if<RssScan>(sample) : nullptr;
-  return 1 + (scan ? scan->readings.size() : 0);
+  const auto* scan = std::get_if<KeptScan>(&evidence.body);
+  return 1 + (scan ? scan->readings() : 0);
 }
 
 void Timeline::catch_up() {
@@ -75,7 +80,11 @@ std::unique_ptr<Timeline> Timeline::clone() const {
 std::size_t Timeline::bytes() const {
   constexpr std::size_t kWithoutParticles = 8192, kParticle = 32, kParticlesMost = 100'000;
   const std::size_t tracker = kWithoutParticles + kParticle * tracker_->cloud(kParticlesMost).size();
-  return tracker * (1 + copies_.size()) + evidence_.size() * sizeof(Evidence) + readings_ * sizeof(ScanReading);
+  std::size_t kept = evidence_.size() * sizeof(Evidence);
+  for (const Evidence& each : evidence_) {
+    if (const auto* scan = std::get_if<KeptScan>(&each.body)) kept += scan->bytes();
+  }
+  return tracker * (1 + copies_.size()) + kept;
 }
 
 void Timeline::rewind_before(const Key& key) {

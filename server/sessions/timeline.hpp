@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "server/pipeline/tracker.hpp"
+#include "server/sessions/kept_scan.hpp"
 #include "wayfuse/proto/message.hpp"
 
 namespace wayfuse {
@@ -56,16 +57,17 @@ class Timeline {
     std::uint64_t sequence = 0;
     auto operator<=>(const Key&) const = default;
   };
+  using Kept = std::variant<MotionReport, KeptScan, GnssFix, Exchange>;
   struct Evidence {
     Key key;
-    std::variant<SampleBody, Exchange> body;
+    Kept body;
   };
   struct Copy {
     Key applied;
     std::unique_ptr<Tracker> tracker;
   };
 
-  void insert(const Key& key, std::variant<SampleBody, Exchange> body);
+  void insert(const Key& key, Kept body);
   void apply(const Evidence& evidence);
   void rewind_before(const Key& key);
   static std::size_t readings_in(const Evidence& evidence);
@@ -77,7 +79,7 @@ class Timeline {
   std::optional<PhoneTime> newest_;
   std::deque<Evidence> evidence_;  ///< ascending; what a rewind may need again, then what is not applied yet
   std::deque<Copy> copies_;        ///< ascending; the first is old enough for every straggler the window lets in
-  std::size_t readings_ = 0;       ///< in evidence_
+  std::size_t readings_ = 0;       ///< in evidence_, a report counts as one
   std::uint64_t rewinds_ = 0;
 };
 
