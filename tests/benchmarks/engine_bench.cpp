@@ -150,11 +150,11 @@ MotionReport session_step() {
   return step;
 }
 
-void session(benchmark::State& state, const char* preset_name, bool scans) {
+void session(benchmark::State& state, const char* preset_name, bool scans, std::uint64_t addresses = 1) {
   const auto tracker = session_pipeline(preset_name)->make_tracker(Random(1));
   Random random(3);
   PhoneTime time{std::chrono::seconds(1000)};
-  RssScan scan = session_scan({20, 20}, random);
+  RssScan scan = session_scan({20, 20}, random, addresses);
   MotionReport step = session_step();
   for (int i = 0; i < 10; ++i) {
     scan.time = time += std::chrono::seconds(2);
@@ -177,6 +177,7 @@ BENCHMARK_CAPTURE(session, p1_step, "p1", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, p1_scan, "p1", true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_step, "default", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_scan, "default", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, default_scan_in_a_mall, "default", true, 6)->Unit(benchmark::kMicrosecond);
 
 // What a walking session holds: its tracker, the copies it may go back to, the evidence of the last seconds.
 // Going round in a circle it hears what it should; walking straight on, scans soon contradict the track, and some sessions hold a rival as well.
