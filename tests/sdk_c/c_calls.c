@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#define MANY 600
 #define STRINGIFY(x) #x
 #define AS_TEXT(x) STRINGIFY(x)
 #define REQUIRE(condition) do { if (!(condition)) return "c_calls.c:" AS_TEXT(__LINE__) ": " #condition; } while (0)
@@ -115,6 +116,7 @@ const char *c_bad_input_is_named(const char *url) {
   wayfuse_phone *second = NULL;
   wayfuse_state state = WAYFUSE_ENDED;
   wayfuse_reading reading;
+  static wayfuse_reading many[MANY];
   uint32_t is_recorded = 9;
   size_t waiting = 9;
   memset(&reading, 0, sizeof reading);
@@ -130,6 +132,11 @@ const char *c_bad_input_is_named(const char *url) {
   REQUIRE(says(wayfuse_last_error(), "rss_dbm"));
   reading.rss_dbm = -50;
   REQUIRE(wayfuse_phone_feed_scan(phone, 1000, &reading, 100000) == WAYFUSE_BAD_INPUT);
+  for (size_t i = 0; i < MANY; ++i) {
+    many[i] = reading;
+    many[i].bssid = i + 1;
+  }
+  REQUIRE(wayfuse_phone_feed_scan(phone, 1000, many, MANY) == WAYFUSE_OK); /* longer than a message: the youngest count */
   reading.heard_us = INT64_MIN;
   REQUIRE(wayfuse_phone_feed_scan(phone, INT64_MAX, &reading, 1) == WAYFUSE_BAD_INPUT);
   REQUIRE(wayfuse_phone_feed_gnss(phone, 0, 91, 0, 1) == WAYFUSE_BAD_INPUT);

@@ -28,30 +28,6 @@ std::vector<ReferencePoint> all_points(Surveyor& surveyor) {
 }
 
 //  10 s          20 s
-TEST(Surveyor, KeepsTheYoungestOfAListLongerThanAMessage) {
-  RssScan crowded{PhoneTime{5s}, {}};
-  for (std::uint64_t i = 0; i < 600; ++i) crowded.readings.push_back({Bssid{i + 1}, -60, i % 2 == 0 ? 900ms : 100ms, 2412, {}, {}});
-  Surveyor surveyor("model", Random(1));
-  ASSERT_TRUE(surveyor.begin_walk("dense"));
-  ASSERT_TRUE(surveyor.mark(PhoneTime{0s}, Place{{0, 0}, FloorOrdinal{0}}, 0.5));
-  ASSERT_TRUE(surveyor.scan(crowded, UnixTime{0s}));
-  ASSERT_TRUE(surveyor.mark(PhoneTime{10s}, Place{{10, 0}, FloorOrdinal{0}}, 0.5));
-  ASSERT_TRUE(surveyor.end_walk());
-  ASSERT_TRUE(surveyor.add_point(Place{{0, 0}, FloorOrdinal{0}}, 0.5, {crowded}, UnixTime{0s}));
-  EXPECT_EQ(surveyor.readings_left_out(), 2u * 88);
-  std::set<std::uint64_t> young, kept;
-  for (std::uint64_t i = 1; i < 600; i += 2) young.insert(i + 1);
-  for (const SurveyBatch& batch : surveyor.take_batches()) {
-    for (const ReferencePoint& point : batch.points) {
-      for (const RssScan& scan : point.scans) {
-        for (const ScanReading& reading : scan.readings) kept.insert(reading.bssid.value);
-      }
-    }
-  }
-  EXPECT_EQ(kept.size(), 512u);
-  EXPECT_TRUE(std::ranges::includes(kept, young));
-}
-
 //   A ----5 m---- B      scan at 18 s: one reading fresh, one 4 s old, one 9 s old (heard before A)
 TEST(Surveyor, PlacesEveryReadingWhereTheWalkerWasWhenItWasHeard) {
   Surveyor surveyor("m", Random(1));
@@ -72,6 +48,28 @@ TEST(Surveyor, PlacesEveryReadingWhereTheWalkerWasWhenItWasHeard) {
   EXPECT_EQ(points[1].walk, "w");
   EXPECT_DOUBLE_EQ(points[1].sigma_m, 0.5);
   EXPECT_EQ(surveyor.readings_left_out(), 1u);
+}
+
+TEST(Surveyor, KeepsTheYoungestOfAListLongerThanAMessage) {
+  RssScan crowded{PhoneTime{5s}, {}};
+  for (std::uint64_t i = 0; i < 600; ++i) crowded.readings.push_back({Bssid{i + 1}, -60, i % 2 == 0 ? 900ms : 100ms, 2412, {}, {}});
+  Surveyor surveyor("model", Random(1));
+  ASSERT_TRUE(surveyor.begin_walk("dense"));
+  ASSERT_TRUE(surveyor.mark(PhoneTime{0s}, at(0, 0), 0.5));
+  ASSERT_TRUE(surveyor.scan(crowded, UnixTime{0s}));
+  ASSERT_TRUE(surveyor.mark(PhoneTime{10s}, at(10, 0), 0.5));
+  ASSERT_TRUE(surveyor.end_walk());
+  ASSERT_TRUE(surveyor.add_point(at(0, 0), 0.5, {crowded}, UnixTime{0s}));
+  EXPECT_EQ(surveyor.readings_left_out(), 2u * 88);
+  std::set<std::uint64_t> young, kept;
+  for (std::uint64_t i = 1; i < 600; i += 2) young.insert(i + 1);
+  for (const ReferencePoint& point : all_points(surveyor)) {
+    for (const RssScan& scan : point.scans) {
+      for (const ScanReading& reading : scan.readings) kept.insert(reading.bssid.value);
+    }
+  }
+  EXPECT_EQ(kept.size(), 512u);
+  EXPECT_TRUE(std::ranges::includes(kept, young));
 }
 
 TEST(Surveyor, KeepsReadingsHeardTogetherTogether) {

@@ -34,25 +34,6 @@ SampleBody scan_at(double time_s) {
   return RssScan{at(time_s), {}};
 }
 
-TEST(KeptScan, ComesBackBitForBit) {
-  RssScan scan{at(12.5), {{Bssid{0xffffffffffff}, -61, std::chrono::microseconds(1'234'567), 5180, {}, {}},
-                          {Bssid{1}, -0.5, Duration{0}, 0, {}, {}},
-                          {Bssid{2}, -120, std::chrono::minutes(10), 65535, {}, {}}}};
-  const KeptScan packed(scan);
-  EXPECT_EQ(packed.scan(), scan);
-  EXPECT_EQ(packed.readings(), 3u);
-  EXPECT_LE(packed.bytes(), 3 * sizeof(ScanReading) / 4);
-
-  for (const ScanReading& odd : {ScanReading{Bssid{3}, -61.3, Duration{0}, 2412, {}, {}}, ScanReading{Bssid{3}, -61, Duration{0}, 2412, 4.5, 0.5},
-                                 ScanReading{Bssid{3}, -61, Duration{-1}, 2412, {}, {}}, ScanReading{Bssid{1ull << 48}, -61, Duration{0}, 2412, {}, {}}}) {
-    RssScan with = scan;
-    with.readings.push_back(odd);
-    EXPECT_EQ(KeptScan(with).scan(), with) << odd.rss_dbm;
-    EXPECT_EQ(KeptScan(with).readings(), 4u);
-  }
-  EXPECT_EQ(KeptScan(RssScan{at(1), {}}).scan(), (RssScan{at(1), {}}));
-}
-
 TEST(Timeline, AppliesAtOnceWhatComesInOrder) {
   Timeline timeline(std::make_unique<WritingTracker>());
   EXPECT_TRUE(timeline.take({1, step_at(1.0)}));

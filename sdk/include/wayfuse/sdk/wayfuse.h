@@ -196,7 +196,8 @@ typedef struct wayfuse_reading {
 
 /* In time order. Steps, turns and rest are found and sent by the library. */
 WAYFUSE_API wayfuse_status wayfuse_phone_feed_motion(wayfuse_phone* phone, const wayfuse_marg_sample* samples, size_t count);
-/* What the system handed over in one go, arrived at `time_us`; of more than 512 readings the youngest count. In the survey role it belongs to the walk or the standing point. */
+/* What the system handed over in one go, arrived at `time_us`; of more than 512 readings the youngest count. In the survey role it
+   belongs to the walk or the standing point. */
 WAYFUSE_API wayfuse_status wayfuse_phone_feed_scan(wayfuse_phone* phone, int64_t time_us, const wayfuse_reading* readings,
                                                    size_t count);
 WAYFUSE_API wayfuse_status wayfuse_phone_feed_gnss(wayfuse_phone* phone, int64_t time_us, double latitude_deg,
