@@ -52,7 +52,8 @@ class Locator {
   virtual void add_log_likelihood(std::span<const float> /*x_m*/, std::span<const float> /*y_m*/, FloorOrdinal /*floor*/,
                                   std::span<float> /*log_likelihood*/) const {}
 
-  /// Draws places from p(place | scan) on `floor`; false when the locator cannot, and nothing is written.
+  /// Draws places from p(place | scan) on `floor`, evenly: the k-th of n from its k-th n-th, in an order of the locator's own. False when
+  /// the locator cannot, and nothing is written.
   virtual bool draw(FloorOrdinal /*floor*/, Random& /*random*/, std::span<float> /*x_m*/, std::span<float> /*y_m*/) { return false; }
   /// How long before its arrival the newest scan's readings were heard, as the locator weighs them; below zero, they speak for where the
   /// phone is a moment later.

@@ -335,10 +335,12 @@ bool RadioFieldLocator::draw(FloorOrdinal floor, Random& random, std::span<float
   cumulated.clear();
   float total = 0.0f;
   for (std::uint32_t i = on->begin; i < on->end; ++i) cumulated.push_back(total += std::exp(resemblance(i) - highest) / field_->crowd(i));
+  const double share = static_cast<double>(total) / static_cast<double>(x_m.size()), offset = random.uniform();
+  std::uint32_t drawn = 0;
   for (std::size_t k = 0; k < x_m.size(); ++k) {
-    const auto at = std::ranges::upper_bound(cumulated, static_cast<float>(random.uniform()) * total) - cumulated.begin();
-    const auto drawn = on->begin + std::min<std::uint32_t>(static_cast<std::uint32_t>(at), on->end - on->begin - 1);
-    const BuildingPoint p = field_->fingerprints()[drawn].place.point;
+    const auto sought = static_cast<float>((static_cast<double>(k) + offset) * share);
+    while (cumulated[drawn] < sought && drawn + 1 < cumulated.size()) ++drawn;
+    const BuildingPoint p = field_->fingerprints()[on->begin + drawn].place.point;
     x_m[k] = static_cast<float>(p.x_m + field_->weights().bandwidth_m * random.normal());
     y_m[k] = static_cast<float>(p.y_m + field_->weights().bandwidth_m * random.normal());
   }

@@ -23,6 +23,7 @@ constexpr float kShortestStride = 0.5f, kLongestStride = 1.6f;
 constexpr double kResampleBelow = 0.5;       // of the particles, effective size
 constexpr int kFirstScans = 6;
 constexpr double kRenewedAtFirst = 0.05;
+constexpr std::size_t kAtOnce = 256;          // walkers worked on together, a multiple of 16
 
 }  // namespace
 
@@ -66,13 +67,14 @@ WalkerCloud::WalkerCloud(const WalkerSettings& settings)
       cloud_(static_cast<std::size_t>(settings.particles), ParticleCloud::kBias | ParticleCloud::kScale | ParticleCloud::kEcho | ParticleCloud::kLogsOnly) {}
 
 // Compass error and stride of fresh particles, which have heard no scan; then each is carried on as it would have walked.
-void WalkerCloud::scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random) {
+void WalkerCloud::scatter(std::size_t count, std::size_t offset, BuildingPoint carried, const CompassPrior& compass, Random& random) {
   const auto sigma = static_cast<float>(settings_.heading_sigma_rad), known = static_cast<float>(compass.known_rad);
   const auto stride_sigma = static_cast<float>(settings_.stride_sigma), strays = static_cast<float>(settings_.stray_strides);
   const auto dx = static_cast<float>(carried.x_m), dy = static_cast<float>(carried.y_m);
   const Noise columns(random), directions(random);
   const auto x = cloud_.x_m(), y = cloud_.y_m(), bias = cloud_.heading_bias_rad(), scale = cloud_.stride_scale(), said = cloud_.said();
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = one_of(count, k, offset);
     said[i] = 0.0f;
     const auto number = static_cast<std::uint32_t>(i);
     const Noise::Pair n = columns.normal(number);
@@ -94,7 +96,7 @@ void WalkerCloud::start_about(BuildingPoint point, double sigma_m, const Compass
     cloud_.y_m()[i] = static_cast<float>(point.y_m + sigma_m * static_cast<double>(n.second));
   }
   std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
-  scatter(0, cloud_.size(), {}, compass, random);
+  scatter(cloud_.size(), 0, {}, compass, random);
   started_ = true;
   scans_ = 0;
 }
@@ -102,7 +104,7 @@ void WalkerCloud::start_about(BuildingPoint point, double sigma_m, const Compass
 void WalkerCloud::start_from(Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random) {
   if (!locator.draw(floor, random, cloud_.x_m(), cloud_.y_m())) return;
   std::ranges::fill(cloud_.log_weight(), -std::log(static_cast<float>(cloud_.size())));
-  scatter(0, cloud_.size(), carried, compass, random);
+  scatter(cloud_.size(), 0, carried, compass, random);
   started_ = true;
   scans_ = 1;
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
@@ -111,7 +113,7 @@ void WalkerCloud::start_from(Locator& locator, FloorOrdinal floor, BuildingPoint
   settle(random);
 }
 
-void WalkerCloud::turn_about(const CompassPrior& compass, Random& random) { scatter(0, cloud_.size(), {}, compass, random); }
+void WalkerCloud::turn_about(const CompassPrior& compass, Random& random) { scatter(cloud_.size(), 0, {}, compass, random); }
 
 void WalkerCloud::walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random) {
   on_foot_s_ += on_foot_s;
@@ -178,7 +180,7 @@ WalkerCloud::Hearing WalkerCloud::weigh(const Locator& locator, FloorOrdinal flo
   ++scans_;
   const auto gained = cloud_.scratch();  // log-likelihood of the scan
   std::ranges::fill(gained, 0.0f);
-  std::array<float, 256> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
+  std::array<float, kAtOnce> x_then_m, y_then_m;  // walkers when the scan was heard, some at a time
   for (std::size_t begin = 0; begin < cloud_.size(); begin += x_then_m.size()) {
     const std::size_t count = std::min(x_then_m.size(), cloud_.size() - begin);
     walked_back(begin, carried, {x_then_m.data(), count}, {y_then_m.data(), count});
@@ -214,13 +216,21 @@ void WalkerCloud::renew(double share, Locator& locator, FloorOrdinal floor, Buil
                         Random& random) {
   const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud_.size()));
   if (count == 0) return;
-  const std::size_t begin = random.below(cloud_.size() - count + 1);
-  if (!locator.draw(floor, random, cloud_.x_m().subspan(begin, count), cloud_.y_m().subspan(begin, count))) return;
+  // Walkers in a row descend from one ancestor: whoever is renewed stands evenly among them all.
+  const std::size_t offset = random.below(cloud_.size());
+  const auto x_m = cloud_.scratch().first(count), y_m = cloud_.scratch().subspan(count, count);
+  if (!locator.draw(floor, random, x_m, y_m)) return;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = one_of(count, k, offset);
+    cloud_.x_m()[i] = x_m[k];
+    cloud_.y_m()[i] = y_m[k];
+  }
   // They come in at an average weight, whatever the scan says of them: what it said of an average walker is to be taken back.
   const auto said = cloud_.said();
   const float average = std::accumulate(said.begin(), said.end(), 0.0f) / static_cast<float>(said.size());
-  scatter(begin, begin + count, carried, compass, random);
-  for (std::size_t i = begin; i < begin + count; ++i) {
+  scatter(count, offset, carried, compass, random);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = one_of(count, k, offset);
     said[i] = average;
     cloud_.log_weight()[i] = -std::log(static_cast<float>(cloud_.size()));
     if (!open(cloud_.x_m()[i], cloud_.y_m()[i])) cloud_.log_weight()[i] -= kOutsidePenalty;
@@ -236,20 +246,23 @@ void WalkerCloud::weigh(BuildingPoint point, double sigma_m) {
   }
 }
 
+// In one pass, about the first walker: sums of squares about a far origin would lose the digits they are about.
 WalkerCloud::Spread WalkerCloud::spread() const {
-  const auto x = cloud_.x_m(), y = cloud_.y_m(), weight = cloud_.log_weight();
-  double sum = 0.0, sx = 0.0, sy = 0.0;
-  for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const double w = std::exp(static_cast<double>(weight[i]));
-    sum += w, sx += w * static_cast<double>(x[i]), sy += w * static_cast<double>(y[i]);
+  const auto x = cloud_.x_m(), y = cloud_.y_m(), log_weight = cloud_.log_weight();
+  std::array<float, kAtOnce> weight;
+  double sum = 0.0, sx = 0.0, sy = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t begin = 0; begin < cloud_.size(); begin += kAtOnce) {
+    kernels::exponentials(log_weight.data() + begin, std::min(kAtOnce, cloud_.padded_size() - begin), 0.0f, weight.data());
+    for (std::size_t i = begin; i < std::min(begin + kAtOnce, cloud_.size()); ++i) {
+      const double w = static_cast<double>(weight[i - begin]);
+      const double dx = static_cast<double>(x[i] - x[0]), dy = static_cast<double>(y[i] - y[0]);
+      const double wx = w * dx, wy = w * dy;
+      sum += w, sx += wx, sy += wy, xx += wx * dx, xy += wx * dy, yy += wy * dy;
+    }
   }
-  Spread result{{sx / sum, sy / sum}, {}};
-  for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const double w = std::exp(static_cast<double>(weight[i])) / sum;
-    const double dx = static_cast<double>(x[i]) - result.mean.x_m, dy = static_cast<double>(y[i]) - result.mean.y_m;
-    result.covariance.xx_m2 += w * dx * dx, result.covariance.xy_m2 += w * dx * dy, result.covariance.yy_m2 += w * dy * dy;
-  }
-  return result;
+  const double mx = sx / sum, my = sy / sum;
+  return {{static_cast<double>(x[0]) + mx, static_cast<double>(y[0]) + my},
+          {std::max(0.0, xx / sum - mx * mx), xy / sum - mx * my, std::max(0.0, yy / sum - my * my)}};
 }
 
 }  // namespace wayfuse

@@ -83,7 +83,9 @@ class WalkerCloud {
 
  private:
   void walked_back(std::size_t begin, BuildingPoint carried, std::span<float> x_then_m, std::span<float> y_then_m) const;
-  void scatter(std::size_t begin, std::size_t end, BuildingPoint carried, const CompassPrior& compass, Random& random);
+  /// The k-th of `count` walkers who stand evenly among all.
+  std::size_t one_of(std::size_t count, std::size_t k, std::size_t offset) const { return (k * cloud_.size() + offset) / count; }
+  void scatter(std::size_t count, std::size_t offset, BuildingPoint carried, const CompassPrior& compass, Random& random);
   void resample(Random& random);
   bool open(float x_m, float y_m) const { return !plan_ || plan_->open(x_m, y_m); }
 

@@ -121,6 +121,22 @@ TEST_F(RadioFieldCorridor, DrawsLieWhereTheLikelihoodIs) {
   EXPECT_FALSE(locator_->draw(FloorOrdinal{9}, random, x, y));
 }
 
+// Two places that sound alike: drawn one by one, one of them would have 1000 draws of 2000, give or take 22.
+TEST(RadioField, DrawsShareOutEvenly) {
+  std::vector<ReferencePoint> survey;
+  for (int walk = 0; walk < 2; ++walk) {
+    survey.push_back({{{100.0 * walk, 0.0}, FloorOrdinal{0}}, 0.0, "phone", "walk " + std::to_string(walk), {}, {scan_at(20.0, 0)}});
+  }
+  const auto locator = std::make_shared<RadioField>(survey, in_step())->make();
+  ASSERT_TRUE(locator->locate(scan_at(20.0, 0)));
+  std::vector<float> x(2000), y(2000);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    ASSERT_TRUE(locator->draw(FloorOrdinal{0}, random, x, y));
+    EXPECT_NEAR(static_cast<double>(std::ranges::count_if(x, [](float each) { return each > 50.0f; })), 1000.0, 1.0) << seed;
+  }
+}
+
 // Two corners that sound alike, one of them surveyed twenty times as often.
 TEST(RadioField, DrawsDoNotFlockToWhereManySurveyed) {
   std::vector<ReferencePoint> survey;

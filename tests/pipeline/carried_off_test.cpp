@@ -111,7 +111,7 @@ TEST_F(CarriedOff, WhoWasGivenUpIsHeardOnAndComesBack) {
   for (int i = 0; i < 10; ++i) hear(-50.0);
   hear(-90.0);
   ASSERT_LT(distance_m(hear(-90.0).point, kThere), 5.0);
-  for (int i = 0; i < 2; ++i) hear(-50.0);
+  for (int i = 0; i < 3; ++i) hear(-50.0);
   const Place place = hear(-50.0);
   EXPECT_LT(distance_m(place.point, kHere), 10.0);
   EXPECT_EQ(place.floor, FloorOrdinal{0});
