@@ -6,7 +6,7 @@ namespace wayfuse {
 
 std::vector<AddCommand> evaluation_commands() {
   return {add_walks_command, add_fingerprints_command, add_papers_command, add_attitude_command, add_walking_command, add_climbing_command, add_site_command,
-          add_expected_command, add_access_points_command, add_devices_command};
+          add_expected_command, add_access_points_command, add_devices_command, add_agreement_command};
 }
 
 void add_site_options(CLI::App& command, std::string& data, std::vector<std::string>& floors) {

@@ -24,6 +24,7 @@ void add_climbing_command(CLI::App& app, std::function<int()>& chosen);
 void add_walking_command(CLI::App& app, std::function<int()>& chosen);
 void add_expected_command(CLI::App& app, std::function<int()>& chosen);
 void add_access_points_command(CLI::App& app, std::function<int()>& chosen);
+void add_agreement_command(CLI::App& app, std::function<int()>& chosen);
 void add_devices_command(CLI::App& app, std::function<int()>& chosen);
 
 std::vector<AddCommand> evaluation_commands();

@@ -28,6 +28,7 @@ struct WalksOptions {
   std::string split = "test";
   int folds = 0;
   std::vector<int> score_folds;
+  bool with_test = false;
   bool chain = false;
   bool direct = false;
   bool socket = false;
@@ -175,6 +176,7 @@ WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, c
   outcome.split = options.only.empty() ? options.split : "only";
   if (options.folds > 0) outcome.split = "folds " + std::to_string(options.folds);
   for (const int fold : options.score_folds) outcome.split += (fold == options.score_folds.front() ? ": " : ", ") + std::to_string(fold);
+  if (options.with_test) outcome.split += " and test";
   outcome.chain = options.chain;
   outcome.rss_offset_db = options.rss_offset_db;
   outcome.survey_walks = measured.survey_walks / measured.maps;
@@ -193,18 +195,27 @@ int publish(const WalksOptions& options, const WalksOutcome& outcome, const Meas
   return out.flush() ? 0 : complain({FaultCode::kNotFound, options.json, "cannot be written"});
 }
 
-// Every survey walk is scored once, over a map of the walks outside its fold; what comes out is one table over all of them.
+// Every survey walk is scored once, over a map of the walks outside its fold, and if asked for every test walk, over a map of all survey
+// walks; what comes out is one table over all of them.
 int measure_folds(const WalksOptions& options, const RecordedSite& site) {
   std::optional<Measured> all;
+  const auto measure = [&](const SelectionOptions& selecting) -> Result<void> {
+    auto selection = select(options, site, selecting);
+    if (!selection) return selection.fault();
+    auto measured = measure_over(options, site, *std::move(selection));
+    if (!measured) return measured.fault();
+    if (all) all->append(*std::move(measured));
+    else all = *std::move(measured);
+    return {};
+  };
   for (int fold = 0; fold < options.folds; ++fold) {
     if (!options.score_folds.empty() && std::ranges::find(options.score_folds, fold) == options.score_folds.end()) continue;
     std::fprintf(stderr, "fold %d of 0..%d\n", fold, options.folds - 1);
-    auto selection = select(options, site, {.chain = options.chain, .only = {}, .folds = options.folds, .fold = fold});
-    if (!selection) return complain(selection.fault());
-    auto measured = measure_over(options, site, *std::move(selection));
-    if (!measured) return complain(measured.fault());
-    if (all) all->append(*std::move(measured));
-    else all = *std::move(measured);
+    if (const auto done = measure({.chain = options.chain, .only = {}, .folds = options.folds, .fold = fold}); !done) return complain(done.fault());
+  }
+  if (options.with_test) {
+    std::fprintf(stderr, "test walks\n");
+    if (const auto done = measure({.chain = options.chain, .only = {}}); !done) return complain(done.fault());
   }
   if (!all) return complain({FaultCode::kOutOfRange, "--score-folds", "none of them is below --folds"});
   return publish(options, outcome_of(options, site, *all), *all, site, nullptr);
@@ -255,6 +266,8 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->add_option("--score-folds", options->score_folds, "These folds only, counted from 0: choose on some of them, confirm on the others")
       ->delimiter(',')
       ->check(CLI::Range(0, 99))
+      ->needs(folds);
+  command->add_flag("--with-test", options->with_test, "After the folds the test walks too, over the whole survey: one table over every walk at hand")
       ->needs(folds);
   command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
   command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")
