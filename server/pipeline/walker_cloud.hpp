@@ -73,6 +73,7 @@ class WalkerCloud {
   /// Share of the cloud that the newest scan should draw anew: more of a young one, as one scan's draw holds no walkers where the
   /// next ones say. None at all is a setting, too.
   double renewed() const;
+  /// At most a half of the cloud.
   void renew(double share, Locator& locator, FloorOrdinal floor, BuildingPoint carried, const CompassPrior& compass, Random& random);
   /// Weighs by a point with a sigma per axis.
   void weigh(BuildingPoint point, double sigma_m);
@@ -83,7 +84,7 @@ class WalkerCloud {
 
  private:
   void walked_back(std::size_t begin, BuildingPoint carried, std::span<float> x_then_m, std::span<float> y_then_m) const;
-  /// The k-th of `count` walkers who stand evenly among all.
+  /// The k-th of `count` walkers who stand evenly among all; `offset`, below their number, moves them as a whole.
   std::size_t one_of(std::size_t count, std::size_t k, std::size_t offset) const { return (k * cloud_.size() + offset) / count; }
   void scatter(std::size_t count, std::size_t offset, BuildingPoint carried, const CompassPrior& compass, Random& random);
   void resample(Random& random);

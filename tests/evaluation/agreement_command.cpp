@@ -2,6 +2,9 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "server/locating/radio_field.hpp"
 #include "tests/evaluation/commands.hpp"
