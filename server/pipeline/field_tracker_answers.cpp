@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kIdleDriftMps = 0.5;
 constexpr double kWithoutMotionMps = 1.3;    // a phone that reports no motion at all may walk as anybody does
-constexpr double kStaleScanS = 15.0;
 // Of the cloud's root mean square radius: a Gaussian cloud would have 1.07 and 1.73, real errors have longer tails. Fitted on
 // the folds of the survey walks and held against the test walks, once for all buildings: what differs between them is in the cloud.
 constexpr double kRadius68 = 0.86;
@@ -46,7 +45,7 @@ bool FieldTracker::foreign() const {
 std::vector<std::string> FieldTracker::doubts(PhoneTime at) const {
   std::vector<std::string> reasons;
   if (watch_.suspect(at)) reasons.emplace_back(words_for(watch_.trick()));
-  if (stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
+  if (stale(at)) reasons.emplace_back(kStaleWords);
   if (foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
   if (implausible_ > 0) reasons.push_back(std::to_string(implausible_) + " strong access points are not at home around here");
   if (mismatch_ > kStrange) reasons.emplace_back("the scans are like no surveyed place");

@@ -11,7 +11,6 @@ namespace wayfuse {
 namespace {
 
 constexpr double kIdleDriftMps = 0.5;    // how fast an answer ages after the newest evidence
-constexpr double kStaleScanS = 15.0;
 constexpr double kSuspectS = 5.0;
 
 }  // namespace
@@ -34,7 +33,7 @@ std::vector<std::string> FusionTracker::doubts(PhoneTime at) const {
   std::vector<std::string> reasons;
   if (misses_ > (locator_ ? 0 : 1)) reasons.push_back(std::to_string(misses_) + " fixes in a row lie too far from the track");
   if (restarted_lately(at)) reasons.emplace_back("the track began anew a moment ago: fixes had left it");
-  if (locator_ && stale(at)) reasons.emplace_back("no known access point was heard for 15 s");
+  if (locator_ && stale(at)) reasons.emplace_back(kStaleWords);
   if (locator_ && foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
   return reasons;
 }

@@ -18,4 +18,8 @@ inline constexpr double kLostHeadingRad = std::numbers::pi / std::numbers::sqrt3
 inline double stated_heading_sigma_rad(double sigma_rad) { return std::min(sigma_rad, kLostHeadingRad); }
 inline double stated_speed_mps(double speed_mps) { return std::min(speed_mps, 100.0); }
 
+/// Longer without a known access point is no throttling: a phone's system lets an application in the foreground scan once in 30 s.
+inline constexpr double kStaleScanS = 40.0;
+inline constexpr const char* kStaleWords = "no known access point was heard for 40 s";
+
 }  // namespace wayfuse

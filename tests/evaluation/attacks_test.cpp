@@ -71,6 +71,7 @@ Measured fold(const std::string& id, double off_m, bool suspect) {
   fold.walks = {walk(id, 0)};
   fold.instants = {instants(fold.walks[0])};
   fold.runs = {run_over(fold.instants, 1.0, false)};
+  fold.throttled = {{30.0, {run_over(fold.instants, 2.0 * off_m, false)}}};
   fold.attacked.push_back({{"fakes", "elsewhere", 3, fold.walks, fold.instants, {at(108.0)}}, {run_over(fold.instants, off_m, suspect)}, {}});
   fold.attacked.push_back({{"kidnap", "start", 0, fold.walks, fold.instants, {at(102.0)}}, {run_over(fold.instants, off_m, suspect)},
                            {run_over(fold.instants, 3.0, false)}});
@@ -85,6 +86,11 @@ TEST(Attacks, FoldsAreJudgedTogether) {
   EXPECT_EQ(all.maps, 2u);
   EXPECT_EQ(all.survey_walks, 20u);
   WalksOutcome outcome;
+  judge_scan_rates(all, 1, outcome);
+  ASSERT_EQ(outcome.scan_rates.size(), 1u);
+  EXPECT_DOUBLE_EQ(outcome.scan_rates[0].every_s, 30.0);
+  ASSERT_EQ(outcome.scan_rates[0].rows.size(), 2u) << "ALL and COV";
+  EXPECT_DOUBLE_EQ(outcome.scan_rates[0].rows[0].error.mean, 14.0) << "4 m on one, 24 m on the other";
   judge_attacks(all, 1, outcome);
   ASSERT_EQ(outcome.alarms.size(), 1u);
   EXPECT_NEAR(outcome.alarms[0].hours, 80.0 / 3600.0, 1e-9);

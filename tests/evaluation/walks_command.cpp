@@ -34,6 +34,7 @@ struct WalksOptions {
   bool socket = false;
   std::string server = WAYFUSE_SERVER_PROGRAM;
   double rss_offset_db = 0.0;
+  std::vector<double> scan_every_s;
   std::uint64_t seed = 1;
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
   std::string json;
@@ -164,6 +165,12 @@ Result<Measured> measure_over(const WalksOptions& options, const RecordedSite& s
   auto runs = track(options, *surveyed, measured.data());
   if (!runs) return runs.fault();
   measured.runs = *std::move(runs);
+  for (const double every_s : options.scan_every_s) {
+    std::fprintf(stderr, "one scan in %g s\n", every_s);
+    auto slower = track(options, *surveyed, {throttled(measured.walks, every_s), measured.instants});
+    if (!slower) return slower.fault();
+    measured.throttled.push_back({every_s, *std::move(slower)});
+  }
   if (const auto attacked = attack(options, selection.survey, *surveyed, measured); !attacked) return attacked.fault();
   if (!options.plan.poisons()) return measured;
   if (const auto poisoned = poison(options, site, selection.survey, measured); !poisoned) return poisoned.fault();
@@ -181,6 +188,7 @@ WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, c
   outcome.rss_offset_db = options.rss_offset_db;
   outcome.survey_walks = measured.survey_walks / measured.maps;
   outcome.survey_points = measured.survey_points / measured.maps;
+  judge_scan_rates(measured, options.seed, outcome);
   judge_attacks(measured, options.seed, outcome);
   return outcome;
 }
@@ -272,6 +280,11 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
   command->add_flag("--chain", options->chain, "Score walks that continue each other as one long walk");
   command->add_option("--rss-offset", options->rss_offset_db, "Another phone: dB added to every level of the scored walks")
       ->capture_default_str();
+  command
+      ->add_option("--scan-every", options->scan_every_s,
+                   "Throttled phones beside: seconds from a scan that is heard to the next (comma separated; a phone of today in the foreground: 30)")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 3600.0));
   command->add_option("--seed", options->seed, "Of the trackers and the bootstrap")->capture_default_str();
   command->add_option("--threads", options->threads, "Walks replayed at once; does not change any figure")
       ->check(CLI::Range(1u, 256u))

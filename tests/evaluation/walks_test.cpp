@@ -8,6 +8,7 @@
 
 #include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/svg_chart.hpp"
+#include "tests/evaluation/walks/measured.hpp"
 #include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 #include "tests/evaluation/walks/survey_cover.hpp"
@@ -50,6 +51,17 @@ TEST(SurveyCover, ReachesThreeMetresFromThePath) {
   EXPECT_TRUE(cover.covers({{12.9, 0}, {0}}));
   EXPECT_FALSE(cover.covers({{13.1, 0}, {0}}));
   EXPECT_FALSE(cover.covers({{5, 0}, {1}})) << "another floor";
+}
+
+TEST(Throttled, HearsTheFirstScanAndThenEachThatIsLateEnough) {
+  RecordedWalk walk = straight_walk("w", 0, 0, 10);
+  std::erase_if(walk.scans, [](const RssScan& scan) { return scan.time == at_ms(4000); });
+  const std::vector<ScoredWalk> phones = throttled(std::vector<ScoredWalk>{{walk, {"w"}}}, 4.0);
+  ASSERT_EQ(phones.size(), 1u);
+  std::vector<PhoneTime> heard;
+  for (const RssScan& scan : phones[0].walk.scans) heard.push_back(scan.time);
+  EXPECT_EQ(heard, (std::vector<PhoneTime>{at_ms(0), at_ms(5000), at_ms(9000)})) << "counted from the last one that was heard";
+  EXPECT_EQ(phones[0].walk.way_points.size(), walk.way_points.size()) << "nothing else changes";
 }
 
 TEST(WalkScore, CountsErrorsFloorsAndCircles) {

@@ -339,6 +339,24 @@ TEST(FieldTracker, ThreeStrongRadiosOutOfPlaceAreSuspect) {
   EXPECT_LT(distance_m(position->place.point, around(kSpeedMps * 20.0)), 5.0);
 }
 
+// A scan in 30 s is all that a phone's system allows an application: no fault of the phone's, as long as they come.
+TEST(FieldTracker, AThrottledPhoneIsDegradedOnlyWhenItsScansStopComing) {
+  const auto tracker = default_pipeline()->make_tracker(Random(7));
+  for (double t = 0.5; t <= 130.0; t += 0.5) {
+    const BuildingPoint a = around(kSpeedMps * (t - 0.5)), b = around(kSpeedMps * t);
+    tracker->feed(step(t, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m)));
+    if (std::fmod(t, 30.0) == 1.0 && t < 100.0) tracker->feed(scan_at(b, 1, t));
+    if (t < 1.0) continue;
+    const auto position = tracker->position(PhoneTime(from_seconds(t)));
+    ASSERT_TRUE(position);
+    EXPECT_EQ(position->integrity, Integrity::kOk) << t;
+    if (t > 40.0) EXPECT_LT(distance_m(position->place.point, b), 8.0) << t;
+  }
+  const PhoneTime late(from_seconds(133.0));
+  EXPECT_EQ(tracker->position(late)->integrity, Integrity::kDegraded);
+  EXPECT_THAT(tracker->doubts(late), testing::Contains(testing::HasSubstr("no known access point was heard for 40 s")));
+}
+
 TEST(FieldTracker, SameSeedSameBitsAndACloneGoesOnAlike) {
   const auto a = default_pipeline()->make_tracker(Random(8));
   walk(*a, 0.0, 20.0, 0.1);

@@ -74,6 +74,7 @@ AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, co
 /// How often honest walks raise an alarm.
 struct AlarmRow {
   std::string pipeline;
+  double scan_every_s = 0.0;      ///< of throttled phones; 0 = scans as they came
   double hours = 0.0;             ///< walked
   std::size_t alarms = 0;         ///< times an answer became `suspect`
   double suspect = 0.0;           ///< share of the answers

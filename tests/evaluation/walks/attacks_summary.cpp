@@ -28,7 +28,7 @@ double per_hour(const AlarmRow& row) { return row.hours > 0.0 ? static_cast<doub
 std::string attacks_json(const WalksOutcome& outcome) {
   Json json = Json::object();
   for (const AlarmRow& row : outcome.alarms) {
-    json["alarms"].push_back({{"pipeline", row.pipeline}, {"hours_walked", figure(row.hours)}, {"false_alarms", row.alarms},
+    json["alarms"].push_back({{"pipeline", row.pipeline}, {"scan_every_s", row.scan_every_s}, {"hours_walked", figure(row.hours)}, {"false_alarms", row.alarms},
                               {"false_alarms_per_hour", figure(per_hour(row))}, {"suspect_share", figure(row.suspect)},
                               {"degraded_share", figure(row.degraded)}});
   }
@@ -57,7 +57,8 @@ std::string attacks_json(const WalksOutcome& outcome) {
 std::string attacks_table(const WalksOutcome& outcome) {
   std::string table = "| honest walks | hours | false alarms | an hour | suspect % | degraded % |\n| --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const AlarmRow& row : outcome.alarms) {
-    table += line("| %s | %.2f | %zu | %.1f | %.1f | %.1f |\n", row.pipeline.c_str(), row.hours, row.alarms, per_hour(row), 100 * row.suspect,
+    const std::string phone = row.pipeline + (row.scan_every_s > 0.0 ? line(", one scan in %g s", row.scan_every_s) : "");
+    table += line("| %s | %.2f | %zu | %.1f | %.1f | %.1f |\n", phone.c_str(), row.hours, row.alarms, per_hour(row), 100 * row.suspect,
                   100 * row.degraded);
   }
   if (!outcome.attacks.empty()) {

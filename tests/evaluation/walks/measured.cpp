@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <optional>
 
 namespace wayfuse {
 namespace {
@@ -25,10 +26,11 @@ bool judged(const PipelineRun& run) { return run.pipeline != "dead-reckoning"; }
 }  // namespace
 
 void Measured::append(Measured more) {
-  assert(attacked.size() == more.attacked.size() && poisoned.size() == more.poisoned.size());
+  assert(throttled.size() == more.throttled.size() && attacked.size() == more.attacked.size() && poisoned.size() == more.poisoned.size());
   move_behind(walks, more.walks);
   move_behind(instants, more.instants);
   append_runs(runs, more.runs);
+  for (std::size_t t = 0; t < throttled.size(); ++t) append_runs(throttled[t].runs, more.throttled[t].runs);
   for (std::size_t a = 0; a < attacked.size(); ++a) {
     move_behind(attacked[a].walks.walks, more.attacked[a].walks.walks);
     move_behind(attacked[a].walks.instants, more.attacked[a].walks.instants);
@@ -47,9 +49,32 @@ void Measured::append(Measured more) {
   survey_points += more.survey_points;
 }
 
+std::vector<ScoredWalk> throttled(std::span<const ScoredWalk> walks, double every_s) {
+  std::vector<ScoredWalk> phones(walks.begin(), walks.end());
+  for (ScoredWalk& phone : phones) {
+    std::optional<PhoneTime> last;
+    std::erase_if(phone.walk.scans, [&](const RssScan& scan) {
+      if (last && seconds(scan.time - *last) < every_s) return true;
+      last = scan.time;
+      return false;
+    });
+  }
+  return phones;
+}
+
+void judge_scan_rates(const Measured& measured, std::uint64_t seed, WalksOutcome& outcome) {
+  for (const auto& [every_s, runs] : measured.throttled) outcome.scan_rates.push_back({every_s, score_rows(measured.data(), runs, seed)});
+}
+
 void judge_attacks(const Measured& measured, std::uint64_t seed, WalksOutcome& outcome) {
   const ScoredData honest = measured.data();
   for (const PipelineRun& run : measured.runs) outcome.alarms.push_back(count_alarms(honest, run));
+  for (const auto& [every_s, runs] : measured.throttled) {
+    for (const PipelineRun& run : runs) {
+      outcome.alarms.push_back(count_alarms(honest, run));
+      outcome.alarms.back().scan_every_s = every_s;
+    }
+  }
   for (const Measured::Attacked& attack : measured.attacked) {
     const bool carried = !attack.switched_on.empty();
     const ScoredData self = carried ? ScoredData{attack.walks.walks, attack.walks.instants} : honest;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "tests/evaluation/walks/attacks.hpp"
@@ -12,6 +13,11 @@ struct Measured {
   std::vector<ScoredWalk> walks;
   std::vector<std::vector<Instant>> instants;  ///< parallel to walks
   std::vector<PipelineRun> runs;               ///< one a pipeline, as are all runs below
+  struct Throttled {
+    double every_s = 0.0;
+    std::vector<PipelineRun> runs;
+  };
+  std::vector<Throttled> throttled;            ///< one a scan rate
   struct Attacked {
     AttackedWalks walks;                       ///< what they sensed is let go of: only places and times are asked for later
     std::vector<PipelineRun> runs;
@@ -31,6 +37,12 @@ struct Measured {
   void append(Measured more);
 };
 
+/// What a phone hears whose system scans no more often: of the lists that arrived the first, and then each that comes so long after the
+/// last one kept.
+std::vector<ScoredWalk> throttled(std::span<const ScoredWalk> walks, double every_s);
+
+/// `scan_rates` of an outcome.
+void judge_scan_rates(const Measured& measured, std::uint64_t seed, WalksOutcome& outcome);
 /// `alarms`, `attacks` and `poisons` of an outcome.
 void judge_attacks(const Measured& measured, std::uint64_t seed, WalksOutcome& outcome);
 

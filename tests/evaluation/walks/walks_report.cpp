@@ -61,6 +61,36 @@ std::string time_table(const WalksOutcome& outcome, Scope scope) {
   return md;
 }
 
+std::string scan_rates_table(const WalksOutcome& outcome) {
+  std::string md = "| one scan in s | pipeline | scope | n | mean m (95 %) | median | p95 | in 68 % | in 95 % |\n"
+                   "| ---: | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+  const auto add = [&](const std::string& every, const std::vector<ScoreRow>& rows) {
+    for (const ScoreRow& row : rows) {
+      md += "| " + every + " | " + row.pipeline + " | " + std::string(name_of(row.scope)) + " | " + std::to_string(row.error.n) + " | " +
+            shown(row.error.mean) + " " + shown(row.mean_interval) + " | " + shown(row.error.median) + " | " + shown(row.error.p95) + " | " +
+            shown(100 * row.in68, 1) + " | " + shown(100 * row.in95, 1) + " |\n";
+    }
+  };
+  add("as they came", outcome.rows);
+  for (const auto& [every_s, rows] : outcome.scan_rates) add(shown(every_s, 0), rows);
+  return md;
+}
+
+std::string scan_rates_picture(const WalksOutcome& outcome) {
+  std::vector<LineSeries> series;
+  const auto add = [&](double every_s, const std::vector<ScoreRow>& rows) {
+    for (const ScoreRow& row : rows) {
+      if (row.scope != Scope::kCovered || row.error.n == 0) continue;
+      auto line = std::ranges::find(series, row.pipeline, &LineSeries::name);
+      if (line == series.end()) line = series.insert(series.end(), {row.pipeline, {}});
+      line->points.push_back({every_s, row.error.mean, row.mean_interval.low, row.mean_interval.high});
+    }
+  };
+  add(0.0, outcome.rows);
+  for (const auto& [every_s, rows] : outcome.scan_rates) add(every_s, rows);
+  return line_chart({"Error within 3 m of the survey, scans heard less often", "seconds from scan to scan (0: as they came)", "mean horizontal error, m"}, series);
+}
+
 std::string pairs_table(const WalksOutcome& outcome) {
   std::string md =
       "| compared | against | scope | difference of the means m (95 %) | walks better |\n| --- | --- | --- | ---: | ---: |\n";
@@ -191,6 +221,10 @@ void write_walks_report(const std::string& folder, const WalksOutcome& outcome, 
   md += "\n![Error, all instants](cdf_all.svg)\n\n![Error on covered ground](cdf_cov.svg)\n";
   if (!outcome.pairs.empty()) md += "\n## Walk by walk\n\nNegative: better.\n\n" + pairs_table(outcome);
   md += "\n## By time since the start, COV\n\nMean error in metres (instants).\n\n" + time_table(outcome, Scope::kCovered);
+  if (!outcome.scan_rates.empty()) {
+    write_file(root / "scan_rates.svg", scan_rates_picture(outcome));
+    md += "\n## Scans heard less often\n\nMean errors with their 95 % intervals.\n\n![Error by the time between scans](scan_rates.svg)\n\n" + scan_rates_table(outcome);
+  }
   md += "\n## By floor\n\n" + rows_table(outcome.floor_rows, true);
   md += "\n## Alarms and attacks\n\n" + attacks_table(outcome);
   md += "\n## Tracks\n";

@@ -20,6 +20,11 @@ struct WalksOutcome {
   std::size_t survey_points = 0;
   std::vector<ScoreRow> rows;        ///< a pipeline and scope, all floors
   std::vector<ScoreRow> floor_rows;  ///< the same by floor
+  struct AtScanRate {
+    double every_s = 0.0;            ///< one scan in so long was heard
+    std::vector<ScoreRow> rows;
+  };
+  std::vector<AtScanRate> scan_rates;  ///< asked for by --scan-every
   struct ByTime {
     std::string pipeline;
     Scope scope;
@@ -40,6 +45,9 @@ struct WalksOutcome {
 
 WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site,
                              std::uint64_t seed);
+
+/// A pipeline and scope each, all floors.
+std::vector<ScoreRow> score_rows(const ScoredData& data, const std::vector<PipelineRun>& runs, std::uint64_t seed);
 
 std::string walks_json(const WalksOutcome& outcome);
 /// `alarms`, `attacks` and `poisons` of the JSON; empty lists are left out.

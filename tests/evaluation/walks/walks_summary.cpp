@@ -47,16 +47,36 @@ Json row_json(const ScoreRow& row) {
   return json;
 }
 
+constexpr Scope kScopes[] = {Scope::kAll, Scope::kCovered};
+
+std::string row_line(const ScoreRow& row) {
+  char line[256];
+  std::snprintf(line, sizeof line,
+                "%-18s %-5s %6zu  %6.2f [%5.2f, %5.2f] %6.2f %6.2f %6.2f %6.2f %6.2f  %5.1f%% %5.1fs %5.1f%% %5.1f%% %6.2f\n",
+                row.pipeline.c_str(), std::string(name_of(row.scope)).c_str(), row.error.n, row.error.mean,
+                row.mean_interval.low, row.mean_interval.high, row.error.rmse, row.error.median, row.error.p75, row.error.p90,
+                row.error.p95, 100 * row.floor_hit, row.ttff_s, 100 * row.in68, 100 * row.in95,
+                row.radius_rank_corr.value_or(std::nan("")));
+  return line;
+}
+
 }  // namespace
+
+std::vector<ScoreRow> score_rows(const ScoredData& data, const std::vector<PipelineRun>& runs, std::uint64_t seed) {
+  std::vector<ScoreRow> rows;
+  for (const PipelineRun& run : runs) {
+    for (const Scope scope : kScopes) rows.push_back(score(data, run, scope, nullptr, seed));
+  }
+  return rows;
+}
 
 WalksOutcome summarise_walks(const ScoredData& data, const std::vector<PipelineRun>& runs, const RecordedSite& site,
                              std::uint64_t seed) {
   WalksOutcome outcome;
   outcome.seed = seed;
-  constexpr Scope kScopes[] = {Scope::kAll, Scope::kCovered};
+  outcome.rows = score_rows(data, runs, seed);
   for (const PipelineRun& run : runs) {
     for (const Scope scope : kScopes) {
-      outcome.rows.push_back(score(data, run, scope, nullptr, seed));
       outcome.by_time.push_back({run.pipeline, scope, score_by_time(data, run, scope, seed)});
       for (const Floor& floor : site.floors) {
         ScoreRow row = score(data, run, scope, &floor, seed);
@@ -85,6 +105,13 @@ std::string walks_json(const WalksOutcome& outcome) {
   json["survey_points"] = outcome.survey_points;
   json["rows"] = Json::array();
   for (const ScoreRow& row : outcome.rows) json["rows"].push_back(row_json(row));
+  for (const auto& [every_s, rows] : outcome.scan_rates) {
+    for (const ScoreRow& row : rows) {
+      Json entry = row_json(row);
+      entry["scan_every_s"] = every_s;
+      json["scan_rates"].push_back(std::move(entry));
+    }
+  }
   json["by_floor"] = Json::array();
   for (const ScoreRow& row : outcome.floor_rows) json["by_floor"].push_back(row_json(row));
   json["by_time"] = Json::array();
@@ -122,14 +149,11 @@ std::string walks_table(const WalksOutcome& outcome) {
   std::snprintf(line, sizeof line, "%-18s %-5s %6s  %6s %-14s %6s %6s %6s %6s %6s  %6s %6s %6s %6s %6s\n", "pipeline", "scope",
                 "n", "mean", "[95 %]", "rmse", "median", "p75", "p90", "p95", "floor", "ttff", "in68", "in95", "rank");
   table += line;
-  for (const ScoreRow& row : outcome.rows) {
-    std::snprintf(line, sizeof line,
-                  "%-18s %-5s %6zu  %6.2f [%5.2f, %5.2f] %6.2f %6.2f %6.2f %6.2f %6.2f  %5.1f%% %5.1fs %5.1f%% %5.1f%% %6.2f\n",
-                  row.pipeline.c_str(), std::string(name_of(row.scope)).c_str(), row.error.n, row.error.mean,
-                  row.mean_interval.low, row.mean_interval.high, row.error.rmse, row.error.median, row.error.p75, row.error.p90,
-                  row.error.p95, 100 * row.floor_hit, row.ttff_s, 100 * row.in68, 100 * row.in95,
-                  row.radius_rank_corr.value_or(std::nan("")));
+  for (const ScoreRow& row : outcome.rows) table += row_line(row);
+  for (const auto& [every_s, rows] : outcome.scan_rates) {
+    std::snprintf(line, sizeof line, "one scan in %g s\n", every_s);
     table += line;
+    for (const ScoreRow& row : rows) table += row_line(row);
   }
   return table + "\n" + attacks_table(outcome);
 }
