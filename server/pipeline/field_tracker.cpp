@@ -30,6 +30,7 @@ constexpr double kFits = 1.3;                 // mismatch of a scan from surveye
 constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
 constexpr std::size_t kDrawn = 64;           // places that speak for a scan
 constexpr double kOutdone = 5.0;             // log-likelihood they are ahead by; honest tracks begin to suffer at 3
+constexpr double kOutdoneForGood = 8.0;      // one scan in thousands of an honest walk is as far ahead as this
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
@@ -198,7 +199,7 @@ void FieldTracker::feed(const RssScan& scan) {
   } else if (!begun_anew && (informative() || climbed || lost)) {
     if (climbed && !lost) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
-    const bool lost_to_another = second_opinion(heard.log_evidence, carried);
+    const bool lost_to_another = second_opinion(heard.log_evidence, *fix, carried);
     if (elsewhere(heard.agree) && !lost_to_another) give_up(*fix, carried);
     cloud_.renew(cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
@@ -240,25 +241,31 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   return watch_.elsewhere();
 }
 
-// True when places drawn from the newest scan alone foretell it far better than the track did: it is a little way off, where the
-// survey about it still resembles the scan.
-bool FieldTracker::outdone(double log_evidence) const {
-  if (locator_->mismatch() > kFitsSurvey) return false;
+// How far places drawn from the newest scan alone are ahead of the track in foretelling it, log-likelihood; 0 where it cannot say. A
+// track may be a little way off, where the survey about it still resembles the scan.
+double FieldTracker::outdone(double log_evidence) const {
+  if (locator_->mismatch() > kFitsSurvey) return 0.0;
   std::array<float, kDrawn> x_m, y_m, gained{};
   Random random = random_;  // nobody's track depends on having asked
   const FloorOrdinal there = locator_->floors().front().floor;
-  if (!locator_->draw(there, random, x_m, y_m)) return false;
+  if (!locator_->draw(there, random, x_m, y_m)) return 0.0;
   locator_->add_log_likelihood(x_m, y_m, there, gained);
   const double best = static_cast<double>(std::ranges::max(gained));
   double likelihood = 0.0;
   for (const float each : gained) likelihood += std::exp(static_cast<double>(each) - best) / kDrawn;
-  return best + std::log(likelihood) - log_evidence > kOutdone;
+  return best + std::log(likelihood) - log_evidence;
 }
 
 // True when the track was given up for another one that foretells the scans better.
-bool FieldTracker::second_opinion(double log_evidence, BuildingPoint carried) {
+bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried) {
   if (!parts_->settings.second_opinion) return false;
-  contradicted_ = contradicted_ || outdone(log_evidence);
+  const double behind = outdone(log_evidence);
+  if (behind > kOutdoneForGood && !watch_.copied()) {
+    watch_.left_at_once(*newest_);
+    give_up(fix, carried);
+    return true;
+  }
+  contradicted_ = contradicted_ || behind > kOutdone;
   const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
   if (second_.hear(*locator_, first, carried, echo(), compass(), random_)) {
     change_places();

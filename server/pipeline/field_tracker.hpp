@@ -54,8 +54,8 @@ class FieldTracker final : public Tracker {
   double echo() const;
   bool lost_to(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
-  bool second_opinion(double log_evidence, BuildingPoint carried);
-  bool outdone(double log_evidence) const;
+  bool second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried);
+  double outdone(double log_evidence) const;
   bool give_up(const Fix& fix, BuildingPoint carried);
   void change_places();
   void stand_on(FloorOrdinal floor);

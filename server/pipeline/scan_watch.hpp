@@ -42,6 +42,11 @@ class ScanWatch {
   /// Scans that point here and there are bad scans; those that agree with each other tell of a place.
   void compare(double misfit, Place elsewhere, PhoneTime at);
 
+  /// A track was given up because of this one scan.
+  void left_at_once(PhoneTime at) {
+    if (agreed_ >= settings_.agreed) suspect_from(at, Trick::kElsewhere);
+  }
+
   /// The survey is another one: what agreed with the older says nothing of what may contradict this one.
   void begin_anew_with_the_survey() { agreed_ = jumps_ = 0; }
 
