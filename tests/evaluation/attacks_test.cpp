@@ -72,8 +72,8 @@ Measured fold(const std::string& id, double off_m, bool suspect) {
   fold.instants = {instants(fold.walks[0])};
   fold.runs = {run_over(fold.instants, 1.0, false)};
   fold.throttled = {{30.0, {run_over(fold.instants, 2.0 * off_m, false)}}};
-  fold.attacked.push_back({{"fakes", "elsewhere", 3, fold.walks, fold.instants, {at(108.0)}}, {run_over(fold.instants, off_m, suspect)}, {}});
-  fold.attacked.push_back({{"kidnap", "start", 0, fold.walks, fold.instants, {at(102.0)}}, {run_over(fold.instants, off_m, suspect)},
+  fold.attacked.push_back({{"fakes", "elsewhere", 3, 0.0, fold.walks, fold.instants, {at(108.0)}}, {run_over(fold.instants, off_m, suspect)}, {}});
+  fold.attacked.push_back({{"kidnap", "start", 0, 30.0, fold.walks, fold.instants, {at(102.0)}}, {run_over(fold.instants, off_m, suspect)},
                            {run_over(fold.instants, 3.0, false)}});
   fold.poisoned.push_back({{{}, 0.05, 0.0, true, 5, 4, 3}, {run_over(fold.instants, off_m, false)}});
   fold.survey_walks = 10;
@@ -92,7 +92,9 @@ TEST(Attacks, FoldsAreJudgedTogether) {
   ASSERT_EQ(outcome.scan_rates[0].rows.size(), 2u) << "ALL and COV";
   EXPECT_DOUBLE_EQ(outcome.scan_rates[0].rows[0].error.mean, 14.0) << "4 m on one, 24 m on the other";
   judge_attacks(all, 1, outcome);
-  ASSERT_EQ(outcome.alarms.size(), 1u);
+  ASSERT_EQ(outcome.alarms.size(), 2u);
+  EXPECT_DOUBLE_EQ(outcome.alarms[0].scan_every_s, 0.0);
+  EXPECT_DOUBLE_EQ(outcome.alarms[1].scan_every_s, 30.0) << "throttled phones raise alarms, too";
   EXPECT_NEAR(outcome.alarms[0].hours, 80.0 / 3600.0, 1e-9);
   EXPECT_EQ(outcome.alarms[0].alarms, 0u);
   ASSERT_EQ(outcome.attacks.size(), 2u);
@@ -101,6 +103,7 @@ TEST(Attacks, FoldsAreJudgedTogether) {
   EXPECT_DOUBLE_EQ(fakes.flagged, 0.5) << "one of two walks";
   EXPECT_DOUBLE_EQ(fakes.clean_p95_m, 1.0) << "the same walks, unattacked";
   const AttackRow& carried = outcome.attacks[1];
+  EXPECT_DOUBLE_EQ(carried.scan_every_s, 30.0);
   EXPECT_DOUBLE_EQ(carried.within10_15s, 0.5);
   EXPECT_DOUBLE_EQ(carried.clean_within10_15s, 1.0);
   EXPECT_DOUBLE_EQ(carried.clean_p95_15s_m, 3.0) << "switched on there";

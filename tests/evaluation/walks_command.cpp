@@ -115,20 +115,36 @@ void forget_sensors(AttackedWalks& attacked) {
   }
 }
 
+Result<void> attack_with(const WalksOptions& options, const Surveyed& surveyed, AttackedWalks attacked, Measured& measured) {
+  std::fprintf(stderr, "attack: %s %s %d\n", attacked.attack.c_str(), attacked.kind.c_str(), attacked.fakes);
+  auto runs = track(options, surveyed, {attacked.walks, attacked.instants});
+  if (!runs) return runs.fault();
+  Measured::Attacked done{{}, *std::move(runs), {}};
+  if (attacked.attack == "kidnap") {
+    auto there = track(options, surveyed, {switched_on(attacked), attacked.instants});
+    if (!there) return there.fault();
+    done.switched_on = *std::move(there);
+  }
+  forget_sensors(attacked);
+  done.walks = std::move(attacked);
+  measured.attacked.push_back(std::move(done));
+  return {};
+}
+
 Result<void> attack(const WalksOptions& options, const std::vector<RecordedWalk>& survey, const Surveyed& surveyed, Measured& measured) {
   for (AttackedWalks& attacked : attacks_of(options.plan, measured.data(), survey)) {
-    std::fprintf(stderr, "attack: %s %s %d\n", attacked.attack.c_str(), attacked.kind.c_str(), attacked.fakes);
-    auto runs = track(options, surveyed, {attacked.walks, attacked.instants});
-    if (!runs) return runs.fault();
-    Measured::Attacked done{{}, *std::move(runs), {}};
+    std::vector<AttackedWalks> all;
     if (attacked.attack == "kidnap") {
-      auto there = track(options, surveyed, {switched_on(attacked), attacked.instants});
-      if (!there) return there.fault();
-      done.switched_on = *std::move(there);
+      for (const double every_s : options.scan_every_s) {
+        all.push_back(attacked);
+        all.back().walks = throttled(attacked.walks, every_s);
+        all.back().scan_every_s = every_s;
+      }
     }
-    forget_sensors(attacked);
-    done.walks = std::move(attacked);
-    measured.attacked.push_back(std::move(done));
+    all.insert(all.begin(), std::move(attacked));
+    for (AttackedWalks& each : all) {
+      if (const auto done = attack_with(options, surveyed, std::move(each), measured); !done) return done;
+    }
   }
   return {};
 }

@@ -57,7 +57,7 @@ TEST_P(ExplanationOf, HasReasonsExactlyWhereTheIntegrityIsInDoubt) {
     if (i == 3) walk.push_back(odd_scan(0.5 * i));
   }
   caller_.say(numbered(1, walk));
-  for (std::uint64_t i = 0; i < 40; ++i) {  // no scan for 20 s: the last one is stale
+  for (std::uint64_t i = 0; i < 90; ++i) {  // no scan for 45 s: the last one is stale
     caller_.say(numbered(13 + 1 + i, {step_at(6.5 + 0.5 * static_cast<double>(i))}));
     const auto explained = session()->explain();
     ASSERT_TRUE(explained);

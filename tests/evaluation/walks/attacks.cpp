@@ -71,7 +71,7 @@ std::vector<ScanReading> rogues_for(const RecordedWalk& walk, const std::vector<
 }
 
 AttackedWalks copy_of(const ScoredData& data, std::string attack, std::string kind, int fakes) {
-  return {std::move(attack), std::move(kind), fakes, {data.walks.begin(), data.walks.end()}, {data.instants.begin(), data.instants.end()},
+  return {std::move(attack), std::move(kind), fakes, 0.0, {data.walks.begin(), data.walks.end()}, {data.instants.begin(), data.instants.end()},
           std::vector<std::optional<PhoneTime>>(data.walks.size())};
 }
 
@@ -175,7 +175,7 @@ AttackedWalks with_replay(const ScoredData& data, bool live, double from_s) {
 }
 
 AttackedWalks kidnapped(const ScoredData& data, bool mid) {
-  AttackedWalks attacked{"kidnap", mid ? "mid" : "start", 0, {}, {}, {}};
+  AttackedWalks attacked{"kidnap", mid ? "mid" : "start", 0, 0.0, {}, {}, {}};
   for (std::size_t w = 0; w < data.walks.size(); ++w) {
     const RecordedWalk& second = data.walks[w].walk;
     const PhoneTime second_begins =
@@ -219,7 +219,7 @@ std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped) {
 }
 
 AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, const ScoredData& data, const PipelineRun& clean) {
-  AttackRow row{run.pipeline, attacked.attack, attacked.kind, attacked.fakes};
+  AttackRow row{run.pipeline, attacked.attack, attacked.kind, attacked.fakes, attacked.scan_every_s};
   std::vector<double> errors, clean_errors, at15, clean_at15;
   std::size_t flagged = 0;
   for (std::size_t w = 0; w < attacked.walks.size(); ++w) {

@@ -20,6 +20,7 @@ struct AttackedWalks {
   std::string attack;                             ///< `fakes`, `replay`, `kidnap`
   std::string kind;                               ///< `unknown`, `elsewhere`, `floor`; `frozen`, `live`; `start`, `mid`
   int fakes = 0;
+  double scan_every_s = 0.0;                      ///< to throttled phones; 0 = scans as they came
   std::vector<ScoredWalk> walks;
   std::vector<std::vector<Instant>> instants;     ///< of a kidnapped phone: from the kidnapping on
   std::vector<std::optional<PhoneTime>> began;    ///< the first false scan arrives, or the phone is elsewhere; absent: never
@@ -58,6 +59,7 @@ std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped);
 struct AttackRow {
   std::string pipeline, attack, kind;
   int fakes = 0;
+  double scan_every_s = 0.0;
   std::size_t walks = 0;          ///< attacked, with 5 s or more after the first false scan
   std::size_t instants = 0;       ///< from the attack on
   double flagged = 0.0;           ///< share of the walks that were `suspect` at an instant within 5 s

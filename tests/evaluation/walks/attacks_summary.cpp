@@ -21,6 +21,8 @@ std::string line(const char* format, Values... values) {
   return text;
 }
 
+std::string slower(double scan_every_s) { return scan_every_s > 0.0 ? line(", one scan in %g s", scan_every_s) : ""; }
+
 double per_hour(const AlarmRow& row) { return row.hours > 0.0 ? static_cast<double>(row.alarms) / row.hours : 0.0; }
 
 }  // namespace
@@ -37,6 +39,7 @@ std::string attacks_json(const WalksOutcome& outcome) {
                   {"flagged_5s", figure(row.flagged)}, {"p75_m", figure(row.p75_m)}, {"p95_m", figure(row.p95_m)},
                   {"clean_p75_m", figure(row.clean_p75_m)}, {"clean_p95_m", figure(row.clean_p95_m)},
                   {"p95_ratio", figure(row.p95_m / row.clean_p95_m)}};
+    if (row.scan_every_s > 0.0) entry["scan_every_s"] = row.scan_every_s;
     if (row.attack == "fakes") entry["fakes"] = row.fakes;
     if (row.attack == "kidnap") {
       entry["p95_15s_m"] = figure(row.p95_15s_m);
@@ -57,7 +60,7 @@ std::string attacks_json(const WalksOutcome& outcome) {
 std::string attacks_table(const WalksOutcome& outcome) {
   std::string table = "| honest walks | hours | false alarms | an hour | suspect % | degraded % |\n| --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const AlarmRow& row : outcome.alarms) {
-    const std::string phone = row.pipeline + (row.scan_every_s > 0.0 ? line(", one scan in %g s", row.scan_every_s) : "");
+    const std::string phone = row.pipeline + slower(row.scan_every_s);
     table += line("| %s | %.2f | %zu | %.1f | %.1f | %.1f |\n", phone.c_str(), row.hours, row.alarms, per_hour(row), 100 * row.suspect,
                   100 * row.degraded);
   }
@@ -66,7 +69,7 @@ std::string attacks_table(const WalksOutcome& outcome) {
              "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n";
   }
   for (const AttackRow& row : outcome.attacks) {
-    const std::string attack = row.attack + " " + row.kind + (row.fakes > 0 ? " " + std::to_string(row.fakes) : "");
+    const std::string attack = row.attack + " " + row.kind + (row.fakes > 0 ? " " + std::to_string(row.fakes) : "") + slower(row.scan_every_s);
     table += line("| %s | %s | %zu | %.1f | %.2f | %.2f | %.2f | %.2f | %.2f |", row.pipeline.c_str(), attack.c_str(), row.walks, 100 * row.flagged,
                   row.clean_p75_m, row.p75_m, row.clean_p95_m, row.p95_m, row.p95_m / row.clean_p95_m);
     table += row.attack == "kidnap" ? line(" %.2f | %.1f | %.2f | %.1f |\n", row.clean_p95_15s_m, 100 * row.clean_within10_15s, row.p95_15s_m, 100 * row.within10_15s)
