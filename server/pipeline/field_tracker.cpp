@@ -25,13 +25,6 @@ constexpr double kClearSky_m = 15.0;          // sigma of a satellite fix that c
 constexpr double kGnssLastsS = 10.0;          // without another fix the phone may be indoors again
 constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud that far off is lost
 constexpr int kFixesElsewhere = 2;
-constexpr double kFewAgree = 0.25;           // of the cloud with a scan
-constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
-constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
-constexpr std::size_t kDrawn = 64;           // places that speak for a scan
-constexpr double kOutdone = 5.0;             // log-likelihood they are ahead by; honest tracks begin to suffer at 3
-constexpr double kOutdoneForGood = 12.0;     // no scan of an honest walk was as far ahead, but where its track was lost
-constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
 
@@ -41,7 +34,6 @@ bool sound(const MotionReport& m) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value) && std::abs(value) < 1e4; }) &&
          m.interval >= Duration{0} && m.distance_m() >= 0.0;
 }
-
 
 class FieldPipeline final : public TrackerFactory {
  public:
@@ -229,92 +221,6 @@ void FieldTracker::take_stock(const RssScan& scan, BuildingPoint carried) {
     if (settled && scans_at_rest_ <= kScansAtRest) locator_->learn(scan, heard_at);
   }
   watch_.count_strong(out_of_place, *newest_);
-}
-
-// Before the scan is weighed: does it fit where the track is? True when scans have gone elsewhere for good: a phone that was
-// carried off is looked for where they say, on whatever floor.
-bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
-  const auto misfit = locator_->misfit(*floor_, minus(cloud_.spread().mean, carried));
-  contradicted_ = misfit && SecondOpinion::contradicts(*misfit, locator_->mismatch());
-  if (!misfit || locator_->mismatch() > kFitsSurvey) return false;
-  watch_.compare(*misfit, {plus(fix.place.point, carried), fix.place.floor}, *newest_);
-  return watch_.elsewhere();
-}
-
-// How far places drawn from the newest scan alone are ahead of the track in foretelling it, log-likelihood; 0 where it cannot say. A
-// track may be a little way off, where the survey about it still resembles the scan.
-double FieldTracker::outdone(double log_evidence) const {
-  if (locator_->mismatch() > kFitsSurvey) return 0.0;
-  std::array<float, kDrawn> x_m, y_m, gained{};
-  Random random = random_;  // nobody's track depends on having asked
-  const FloorOrdinal there = locator_->floors().front().floor;
-  if (!locator_->draw(there, random, x_m, y_m)) return 0.0;
-  locator_->add_log_likelihood(x_m, y_m, there, gained);
-  const double best = static_cast<double>(std::ranges::max(gained));
-  double likelihood = 0.0;
-  for (const float each : gained) likelihood += std::exp(static_cast<double>(each) - best) / kDrawn;
-  return best + std::log(likelihood) - log_evidence;
-}
-
-// True when the track was given up for another one that foretells the scans better.
-bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried) {
-  if (!parts_->settings.second_opinion) return false;
-  const double behind = outdone(log_evidence);
-  if (behind > kOutdoneForGood && !watch_.copied()) {
-    watch_.left_at_once(*newest_);
-    give_up(fix, carried);
-    return true;
-  }
-  contradicted_ = contradicted_ || behind > kOutdone;
-  const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
-  if (second_.hear(*locator_, first, carried, echo(), compass(), random_)) {
-    change_places();
-    return true;
-  }
-  if (second_.begun() || !contradicted_) return false;
-  const FloorOrdinal there = locator_->floors().front().floor;
-  second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
-  return false;
-}
-
-// Scans have gone elsewhere for good: the rival that is there already becomes the track, or one begun from the newest scan, which
-// has then said all that it can (true). The old track is heard on as the rival.
-bool FieldTracker::give_up(const Fix& fix, BuildingPoint carried) {
-  const Place there{plus(fix.place.point, carried), locator_->floors().front().floor};
-  const bool anew = !second_.speaks_for(there);
-  if (anew) second_.begin(parts_->settings, *locator_, there.floor, parts_->walkable.plan(there.floor), carried, compass(), random_);
-  if (!second_.begun()) return false;
-  change_places();
-  if (!parts_->settings.second_opinion) second_.drop();
-  return anew;
-}
-
-void FieldTracker::change_places() {
-  FloorOrdinal floor = *floor_;
-  second_.change_places(cloud_, floor);
-  stand_on(floor);
-}
-
-// Where the winner stands, whatever floor the newest scan votes for: it won by several, and its walkers are there.
-void FieldTracker::stand_on(FloorOrdinal floor) {
-  if (floor != *floor_) {
-    const auto votes = locator_->floors();
-    floors_.assign(votes.begin(), votes.end());
-    const auto own = std::ranges::find(floors_, floor, &FloorProbability::floor);
-    if (own != floors_.end()) std::swap(own->probability, floors_.front().probability);
-    most_probable_first(floors_);
-    floor_ = floor;
-  }
-  cloud_.enter(parts_->walkable.plan(floor));
-}
-
-// Scan after scan speaks for another place than the cloud's [SAFETY C16].
-bool FieldTracker::elsewhere(double agreeing) {
-  const bool trusted = locator_->mismatch() < kFits;  // where nobody surveyed, scans speak for wherever it is least unlike
-  scans_elsewhere_ = trusted && agreeing < kFewAgree ? scans_elsewhere_ + 1 : 0;
-  if (scans_elsewhere_ < kScansElsewhere) return false;
-  scans_elsewhere_ = 0;
-  return true;
 }
 
 // A phone at rest hears the same again and again: after a few scans there is nothing to learn.

@@ -42,7 +42,7 @@ class ScanWatch {
   /// Scans that point here and there are bad scans; those that agree with each other tell of a place.
   void compare(double misfit, Place elsewhere, PhoneTime at);
 
-  /// A track was given up because of this one scan.
+  /// Of the same scan: it alone made the track be given up. Suspect where others had agreed with that track.
   void left_at_once(PhoneTime at) {
     if (agreed_ >= settings_.agreed) suspect_from(at, Trick::kElsewhere);
   }

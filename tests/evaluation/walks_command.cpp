@@ -300,7 +300,7 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->add_option("--scan-every", options->scan_every_s,
                    "Throttled phones beside: seconds from a scan that is heard to the next (comma separated; a phone of today in the foreground: 30)")
       ->delimiter(',')
-      ->check(CLI::Range(0.0, 3600.0));
+      ->check(CLI::Range(0.1, 3600.0));
   command->add_option("--seed", options->seed, "Of the trackers and the bootstrap")->capture_default_str();
   command->add_option("--threads", options->threads, "Walks replayed at once; does not change any figure")
       ->check(CLI::Range(1u, 256u))
