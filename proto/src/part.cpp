@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 namespace wayfuse {
@@ -30,11 +31,19 @@ const SettingDescription* find(const PartDescription& part, const std::string& n
   return nullptr;
 }
 
+// What the assertion cannot say: which setting was asked for, and which there are.
+[[maybe_unused]] bool tell_missing(std::string_view name, const std::map<std::string, double, std::less<>>& values) {
+  std::string known;
+  for (const auto& [each, _] : values) known += (known.empty() ? "" : ", ") + each;
+  std::fprintf(stderr, "the part's row describes no setting `%s`; it has: %s\n", std::string(name).c_str(), known.empty() ? "none" : known.c_str());
+  return false;
+}
+
 }  // namespace
 
 double PartSettings::operator[](std::string_view name) const {
   const auto found = values_.find(name);
-  assert(found != values_.end());
+  assert(found != values_.end() || tell_missing(name, values_));
   return found->second;
 }
 

@@ -7,6 +7,7 @@
 #include "wayfuse/proto/fault.hpp"
 #include "wayfuse/proto/heading.hpp"
 #include "wayfuse/proto/motion.hpp"
+#include "wayfuse/proto/part.hpp"
 #include "wayfuse/proto/place.hpp"
 #include "wayfuse/proto/random.hpp"
 #include "wayfuse/proto/scan.hpp"
@@ -149,6 +150,14 @@ TEST(Fault, SaysNameFieldAndCause) {
   EXPECT_EQ(to_string(Fault{FaultCode::kOutOfRange, "readings[3].rss_dbm", "-312 is outside -120..0"}),
             "out_of_range: readings[3].rss_dbm: -312 is outside -120..0");
 }
+
+#ifndef NDEBUG
+TEST(PartSettings, ASettingThatTheRowDoesNotDescribeIsNamed) {
+  const PartDescription part{"locator", "mine", "", {{"k", 4, 1, 64, "", "-"}, {"floor_dbm", -100, -120, -60, "", "-"}}};
+  const PartSettings settings = *check_settings(part, {"mine", {}}, "");
+  EXPECT_DEATH(settings["sigma_m"], "no setting `sigma_m`; it has: floor_dbm, k");
+}
+#endif
 
 }  // namespace
 }  // namespace wayfuse
