@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -10,10 +9,10 @@
 #include <span>
 #include <thread>
 
-#include "server/locating/catalogue.hpp"
 #include "server/quality/metrics.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/levels_table.hpp"
+#include "tests/evaluation/named_parts.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/svg_chart.hpp"
 
@@ -133,33 +132,6 @@ struct LocatorScore {
   std::vector<double> errors;
 };
 
-// `name` or `name:setting=value,...`
-Result<std::pair<const LocatorRow*, PartSettings>> parse_locator(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  PartChoice choice{text.substr(0, colon), {}};
-  std::vector<PartDescription> known;
-  const LocatorRow* row = nullptr;
-  for (const LocatorRow& candidate : locator_catalogue()) {
-    known.push_back(candidate.description);
-    if (candidate.description.name == choice.name && candidate.prepare) row = &candidate;
-  }
-  if (!row) return Fault{FaultCode::kUnknownName, "locators", choice.name + " is none of " + names_of(known, "locator")};
-  for (std::size_t at = colon; at != std::string::npos;) {
-    const std::size_t end = text.find(',', at + 1);
-    const std::string setting = text.substr(at + 1, end - at - 1);
-    const std::size_t equals = setting.find('=');
-    char* rest = nullptr;
-    const double value = equals == std::string::npos ? std::nan("") : std::strtod(setting.c_str() + equals + 1, &rest);
-    if (std::isnan(value) || *rest != '\0')
-      return Fault{FaultCode::kMalformed, "locators", setting + ": setting=value expected"};
-    choice.settings[setting.substr(0, equals)] = value;
-    at = end;
-  }
-  auto settings = check_settings(row->description, choice, "locators");
-  if (!settings) return settings.fault();
-  return std::pair{row, *settings};
-}
-
 LocatorRun locate_all(const std::string& name, const LocatorModel& model, const FingerprintTable& table, unsigned threads) {
   LocatorRun run{name, std::vector<std::optional<Fix>>(table.scans.size())};
   ProgressBar progress(name, table.scans.size());
@@ -257,16 +229,21 @@ int measure_fingerprints(const FingerprintsOptions& options) {
     std::fprintf(stderr, "wayfuse-eval fingerprints: %s\n", to_string(fault).c_str());
     return 2;
   };
+  std::vector<std::pair<const LocatorRow*, PartSettings>> locators;
+  for (const std::string& text : options.locators) {
+    auto locator = locator_named(text);
+    if (!locator) return complain(locator.fault());
+    locators.push_back(*std::move(locator));
+  }
   const auto tables = is_uji(options) ? read_uji_split(options) : read_levels_split(options);
   if (!tables) return complain(tables.fault());
   const std::vector<ReferencePoint> survey = survey_of(tables->training);
   const LocatingSite site{RadioMap::build(survey), survey, {}};
   std::vector<LocatorScore> scores, by_part;
-  for (const std::string& text : options.locators) {
-    const auto locator = parse_locator(text);
-    if (!locator) return complain(locator.fault());
-    const auto model = locator->first->prepare(site, locator->second);
-    const LocatorRun run = locate_all(text, *model, tables->validation, options.threads);
+  for (std::size_t i = 0; i < locators.size(); ++i) {
+    const auto& [row, settings] = locators[i];
+    const auto model = row->prepare(site, settings);
+    const LocatorRun run = locate_all(options.locators[i], *model, tables->validation, options.threads);
     scores.push_back(score_run(run, *tables));
     const std::set<std::string> names(tables->parts.begin(), tables->parts.end());
     if (names.size() < 2) continue;
