@@ -7,6 +7,7 @@
 #include "server/quality/access_point_watch.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/split.hpp"
+#include "tests/evaluation/named_parts.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
 
@@ -98,6 +99,7 @@ Planted plant(const std::vector<Bssid>& judged, const SurveyLevels& levels, cons
 }
 
 int measure_access_points(const AccessPointOptions& options) {
+  if (const auto known = check_pipelines({&options.pipeline, 1}, AskedOf::kPipelines); !known) return complain(known.fault());
   const auto site = read_site(options.data, options.floors);
   if (!site) return complain(site.fault());
   const auto selection = select_walks(*site, {options.split == "dev", false, {}});

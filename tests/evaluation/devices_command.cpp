@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/evaluation/commands.hpp"
+#include "tests/evaluation/named_parts.hpp"
 #include "tests/evaluation/walks/replay_all.hpp"
 #include "tests/evaluation/walks/session_replay.hpp"
 
@@ -69,6 +70,7 @@ void print(const Case& each, const ScoredData& data, const PipelineRun& run, con
 }
 
 int measure_devices(const DevicesOptions& options) {
+  if (const auto known = check_pipelines(options.pipelines, AskedOf::kPipelines); !known) return complain(known.fault());
   const auto site = read_site(options.data, options.floors);
   if (!site) return complain(site.fault());
   const auto selection = select_walks(*site, {options.split == "dev", false, {}});

@@ -7,9 +7,9 @@
 #include <optional>
 #include <thread>
 
-#include "server/pipeline/pipeline_spec.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/split.hpp"
+#include "tests/evaluation/named_parts.hpp"
 #include "tests/evaluation/walks/attack_plan.hpp"
 #include "tests/evaluation/walks/measured.hpp"
 #include "tests/evaluation/walks/replay_all.hpp"
@@ -246,6 +246,8 @@ int measure_folds(const WalksOptions& options, const RecordedSite& site) {
 }
 
 int measure_walks(const WalksOptions& options) {
+  const auto known = check_pipelines(options.pipelines, options.direct ? AskedOf::kPipelines : AskedOf::kSessions);
+  if (!known) return complain(known.fault());
   const auto site = read_site(options.data, options.floors);
   if (!site) return complain(site.fault());
   for (const std::string& complaint : site->complaints) std::fprintf(stderr, "note: %s\n", complaint.c_str());

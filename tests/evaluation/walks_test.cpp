@@ -9,7 +9,6 @@
 #include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/svg_chart.hpp"
 #include "tests/evaluation/walks/measured.hpp"
-#include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 #include "tests/evaluation/walks/survey_cover.hpp"
 #include "tests/evaluation/walks/walk_score.hpp"
@@ -196,29 +195,6 @@ TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   EXPECT_EQ(selection.scored[0].parts, (std::vector{first, second}));
   EXPECT_DOUBLE_EQ(selection.scored[0].walk.duration_s(), 25.0);
   EXPECT_TRUE(selection.survey.empty());
-}
-
-TEST(PipelineNamed, APresetWithSettingsChanged) {
-  const auto changed = pipeline_named("default:filter.particles=300+locator.learn=0");
-  ASSERT_TRUE(changed) << to_string(changed.fault());
-  EXPECT_EQ(changed->parts.at("filter").settings.at("particles"), 300.0);
-  EXPECT_EQ(changed->parts.at("locator").settings.at("learn"), 0.0);
-  EXPECT_EQ(changed->parts.at("filter").name, preset("default")->parts.at("filter").name);
-  EXPECT_TRUE(preset("default")->parts.at("filter").settings.empty()) << "the preset itself stays";
-  EXPECT_TRUE(pipeline_named("p1"));
-}
-
-TEST(PipelineNamed, WhatCannotBeMeantIsAFaultThatNamesIt) {
-  const auto cause = [](const std::string& name) {
-    const auto spec = pipeline_named(name);
-    return spec ? "no fault" : to_string(spec.fault());
-  };
-  EXPECT_NE(cause("default:filter.particles=many").find("filter.particles=many"), std::string::npos);
-  EXPECT_NE(cause("default:filter.particles").find("role.setting=number"), std::string::npos);
-  EXPECT_NE(cause("default:particles=3").find("particles=3"), std::string::npos);
-  EXPECT_NE(cause("default:resampler.threshold=1").find("resampler"), std::string::npos) << "a role the preset leaves empty";
-  EXPECT_NE(cause("defualt:filter.particles=3").find("defualt"), std::string::npos);
-  EXPECT_NE(cause("/nowhere/mine.json").find("/nowhere/mine.json"), std::string::npos);
 }
 
 TEST(Pictures, CarryTitleAxesAndLegend) {

@@ -1,12 +1,9 @@
 #include "tests/evaluation/walks/replay.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include "server/quality/walk_quality.hpp"
+#include "tests/evaluation/named_parts.hpp"
 #include "wayfuse/sdk/motion_tracker.hpp"
 
 namespace wayfuse {
@@ -39,45 +36,8 @@ PhoneTime begin_of(const RecordedWalk& walk) {
   return begin;
 }
 
-namespace {
-
-// A pipeline that is no preset: for comparing settings.
-Result<PipelineSpec> from_file(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return Fault{FaultCode::kNotFound, path, "cannot be read"};
-  return parse_pipeline(std::string(std::istreambuf_iterator<char>(file), {}));
-}
-
-// `default:filter.walkable=0+locator.learn=0`: a preset with these settings instead of its own.
-Result<PipelineSpec> changed(const std::string& pipeline) {
-  const std::size_t colon = pipeline.find(':');
-  auto spec = preset(pipeline.substr(0, colon));
-  if (!spec) return spec;
-  std::istringstream changes(pipeline.substr(colon + 1));
-  for (std::string change; std::getline(changes, change, '+');) {
-    const std::size_t dot = change.find('.'), equals = change.find('=');
-    const auto part = spec->parts.find(change.substr(0, dot));
-    char* end = nullptr;
-    const double value = equals == std::string::npos ? 0.0 : std::strtod(change.c_str() + equals + 1, &end);
-    if (equals == std::string::npos || dot >= equals || part == spec->parts.end() || end == change.c_str() + equals + 1 || *end != '\0') {
-      return Fault{FaultCode::kMalformed, pipeline, "`" + change + "` is not role.setting=number of a role the preset fills"};
-    }
-    part->second.settings[change.substr(dot + 1, equals - dot - 1)] = value;
-  }
-  return spec;
-}
-
-}  // namespace
-
-Result<PipelineSpec> pipeline_named(const std::string& name) {
-  if (name.ends_with(".json")) return from_file(name);
-  return name.find(':') == std::string::npos ? preset(name) : changed(name);
-}
-
 Result<void> DirectReplay::prepare(const std::string& pipeline) {
-  const auto spec = pipeline_named(pipeline);
-  if (!spec) return spec.fault();
-  const auto factory = assemble(*spec, site_);
+  const auto factory = assemble_named(pipeline, site_);
   if (!factory) return factory.fault();
   factories_[pipeline] = *factory;
   return {};

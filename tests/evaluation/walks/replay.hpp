@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "server/pipeline/pipeline_spec.hpp"
 #include "server/pipeline/tracker.hpp"
 #include "tests/evaluation/walks/walk_score.hpp"
 
@@ -28,16 +27,12 @@ class WalkReplay {
                                 std::uint64_t seed) const = 0;
 };
 
-/// What a name after --pipelines stands for: a preset, a file `NAME.json`, or a preset with settings changed,
-/// `PRESET:role.setting=value+role.setting=value`.
-Result<PipelineSpec> pipeline_named(const std::string& name);
-
 /// Straight from the motion tracker into the pipeline: no client, codec, session or store. For baselines that need the true
 /// start (`dead-reckoning`), and for quick looks.
 class DirectReplay final : public WalkReplay {
  public:
   explicit DirectReplay(std::shared_ptr<const Site> site) : site_(std::move(site)) {}
-  /// Prepares a pipeline before the threads begin, by pipeline_named().
+  /// Prepares a pipeline before the threads begin, by assemble_named().
   Result<void> prepare(const std::string& pipeline);
   std::string_view path() const override { return "direct"; }
   Result<WalkReply> run(const RecordedWalk& walk, std::span<const Instant> instants, const std::string& pipeline,
