@@ -88,6 +88,32 @@ TEST(Parts, EveryLocatorServesEveryMeasurementItPromises) {
   }
 }
 
+// What a locator says of one scan is what its row says it says, and about where the phone is; where nobody surveyed it says nothing.
+TEST(Parts, EveryLocatorAnswersAsItsRowSays) {
+  const auto site = hall_site();
+  const std::vector<ReferencePoint> nowhere;
+  const BuildingPoint truth{18.0, 6.0};
+  for (const LocatorRow& row : locator_catalogue()) {
+    if (!row.prepare) continue;
+    const std::string& name = row.description.name;
+    const PartSettings settings = *check_settings(row.description, {name, {}}, "");
+    const auto model = row.prepare({RadioMap::build(site->survey), site->survey, site->floors}, settings);
+    const auto locator = model->make();
+    const RssScan scan = hall().scan_at(truth, at(1.0));
+    const auto fix = locator->locate(scan);
+    EXPECT_EQ(fix.has_value(), row.gives_fix) << name;
+    if (fix) {
+      EXPECT_LT(distance_m(fix->place.point, truth), 8.0) << name;  // transmitters stand 20 m apart
+      EXPECT_GT(fix->sigma_m, 0.0) << name;
+    }
+    EXPECT_EQ(!locator->ranges().empty(), row.gives_ranges) << name;
+    EXPECT_EQ(locator->has_likelihood(), row.gives_likelihood) << name;
+    EXPECT_EQ(locator->transmitters_known(), static_cast<int>(scan.readings.size())) << name;
+    EXPECT_EQ(locator->transmitters_unknown(), 0) << name;
+    EXPECT_FALSE(row.prepare({RadioMap::build(nowhere), nowhere, {}}, settings)->make()->locate(scan)) << name;
+  }
+}
+
 // A part that falls back to another in silence answers as that one does. (Kalman filters may: on linear models they are one.)
 TEST(Parts, NoneIsAnotherUnderItsOwnName) {
   auto site = std::make_shared<Site>(*hall_site());

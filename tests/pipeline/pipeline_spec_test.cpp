@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "server/pipeline/tracker.hpp"
 
 namespace wayfuse {
@@ -83,6 +85,15 @@ TEST(PartCatalogue, DescribesEverySettingWithADefaultInsideItsRange) {
       EXPECT_LE(setting.standard, setting.most) << part.name << "." << setting.name;
       EXPECT_FALSE(setting.meaning.empty()) << part.name << "." << setting.name;
     }
+  }
+}
+
+TEST(PartCatalogue, NamesEachPartOnceWithinItsRoleAndEachSettingOnceWithinItsPart) {
+  std::set<std::pair<std::string, std::string>> parts;
+  for (const auto& part : part_catalogue()) {
+    EXPECT_TRUE(parts.emplace(part.role, part.name).second) << part.role << " " << part.name;
+    std::set<std::string> settings;
+    for (const auto& setting : part.settings) EXPECT_TRUE(settings.insert(setting.name).second) << part.name << "." << setting.name;
   }
 }
 
