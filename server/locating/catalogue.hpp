@@ -24,7 +24,7 @@ class LocatorModel {
   virtual std::unique_ptr<Locator> make() const = 0;
 };
 
-/// A row of this room's catalogue (`none` has no prepare): adding a locator is one file pair and one row here.
+/// A row of this room's catalogue (`none` has no prepare). How a locator is added: the room's README.
 struct LocatorRow {
   PartDescription description;
   std::shared_ptr<const LocatorModel> (*prepare)(const LocatingSite& site, const PartSettings& settings);
