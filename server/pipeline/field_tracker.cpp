@@ -24,7 +24,11 @@ constexpr double kRenewedOnNewFloor = 0.3;
 constexpr double kClearSky_m = 15.0;          // sigma of a satellite fix that can tell outdoors from indoors
 constexpr double kGnssLastsS = 10.0;          // without another fix the phone may be indoors again
 constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud that far off is lost
-constexpr int kFixesElsewhere = 2;
+constexpr int kFixesElsewhere = 2;             // in a row: one satellite fix errs, two that stand apart from the rest do not
+constexpr double kGnssMemoryS = 20.0;         // of a fix's error: reflections last as long as the street looks the same
+constexpr double kOutside = 2.0;              // of a fix's sigma off the plan
+constexpr double kScanFits = 1.3;             // mismatch of a scan that knows where it was heard
+constexpr int kFixesAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
 
@@ -77,7 +81,8 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       second_(other.second_),
       contradicted_(other.contradicted_),
       floors_(other.floors_),
-      floor_votes_(other.floor_votes_),
+      votes_(other.votes_),
+      votes_before_(other.votes_before_),
       floor_(other.floor_),
       odometry_(other.odometry_),
       newest_(other.newest_),
@@ -91,12 +96,16 @@ FieldTracker::FieldTracker(const FieldTracker& other)
       speed_mps_(other.speed_mps_),
       at_rest_(other.at_rest_),
       scans_at_rest_(other.scans_at_rest_),
+      fixes_at_rest_(other.fixes_at_rest_),
       foreign_floor_(other.foreign_floor_),
       heard_scans_(other.heard_scans_),
       scans_elsewhere_(other.scans_elsewhere_),
       climbed_m_(other.climbed_m_),
       gnss_at_(other.gnss_at_),
+      scan_agreed_at_(other.scan_agreed_at_),
+      disputed_at_(other.disputed_at_),
       outdoors_(other.outdoors_),
+      fixes_outside_(other.fixes_outside_),
       fixes_elsewhere_(other.fixes_elsewhere_),
       mismatch_(other.mismatch_),
       implausible_(other.implausible_),
@@ -150,7 +159,7 @@ void FieldTracker::feed(const MotionReport& motion) {
   speed_mps_ = distance_m / dt_s;
   at_rest_ = motion.at_rest;
   const bool lifted = std::abs(motion.climb_m.value_or(0.0)) > kClimbing_mps * dt_s;   // a lift carries who stands still
-  if ((!at_rest_ && distance_m > 0.0) || lifted) scans_at_rest_ = 0;
+  if ((!at_rest_ && distance_m > 0.0) || lifted) scans_at_rest_ = fixes_at_rest_ = 0;
   from_.steps_since_scan += motion.steps;
   climbed_m_ = climbed_m_ * std::exp(-dt_s / kClimbMemoryS) + motion.climb_m.value_or(0.0);
   if (cloud_.started()) walk(motion, dt_s, dx_m, dy_m);
@@ -174,6 +183,9 @@ void FieldTracker::feed(const RssScan& scan) {
   watch_.hear(scan, odometry_.now());
   const auto fix = locator_->locate(scan);
   if (!fix) return;
+  const FloorProbability own{fix->place.floor, 1.0};
+  const auto votes = locator_->floors().empty() ? std::span(&own, 1) : locator_->floors();
+  votes_.assign(votes.begin(), votes.end());
   from_.transmitters_used = locator_->transmitters_known();
   from_.transmitters_unknown = locator_->transmitters_unknown();
   from_.steps_since_scan = 0;
@@ -189,14 +201,15 @@ void FieldTracker::feed(const RssScan& scan) {
   if (!cloud_.started()) {
     cloud_.start_from(*locator_, *floor_, carried, compass(), random_);
   } else if (!begun_anew && (informative() || climbed || lost)) {
-    if (climbed && !lost) cloud_.renew(kRenewedOnNewFloor, *locator_, *floor_, carried, compass(), random_);
     const WalkerCloud::Hearing heard = cloud_.weigh(*locator_, *floor_, carried, echo());
     const bool lost_to_another = second_opinion(heard.log_evidence, *fix, carried);
     if (elsewhere(heard.agree) && !lost_to_another) give_up(*fix, carried);
-    cloud_.renew(cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
+    const bool on_new_floor = climbed && !lost && !lost_to_another;
+    cloud_.renew(on_new_floor ? kRenewedOnNewFloor : cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   weighed_to_ = newest_reading_;
+  if (!contradicted_ && !lost && locator_->mismatch() < kScanFits) scan_agreed_at_ = newest_;
   take_stock(scan, carried);
   locator_->rest();
 }
@@ -231,33 +244,32 @@ bool FieldTracker::informative() {
 
 /// True when the floor changed.
 bool FieldTracker::believe_floors() {
-  const auto votes = locator_->floors();
   const bool climbing = std::abs(climbed_m_) > kClimbed_m;
   const double kept = climbing ? std::min(kFloorMemoryClimbing, parts_->settings.floor_memory) : parts_->settings.floor_memory;
   // A floor the map does not have (any more) has no say.
-  std::erase_if(floors_, [&](const FloorProbability& belief) { return std::ranges::find(votes, belief.floor, &FloorProbability::floor) == votes.end(); });
+  std::erase_if(floors_, [&](const FloorProbability& belief) { return std::ranges::find(votes_, belief.floor, &FloorProbability::floor) == votes_.end(); });
   if (floors_.empty()) {
-    floors_.assign(votes.begin(), votes.end());
+    floors_ = votes_;
   } else {
     if (at_rest_ && moved_to_ && scans_at_rest_ >= kScansAtRest) {
-      foreign_floor_ = votes.front().floor == *floor_ ? 0 : foreign_floor_ + 1;
+      foreign_floor_ = votes_.front().floor == *floor_ ? 0 : foreign_floor_ + 1;
       if (foreign_floor_ < kForeignFloors) return false;
     }
     double total = 0.0;
     const double repeated = echo();
-    for (const FloorProbability& vote : votes) {
-      const auto before = std::ranges::find(floor_votes_, vote.floor, &FloorProbability::floor);
-      const double said = before == floor_votes_.end() ? 1.0 : before->probability;
+    for (const FloorProbability& vote : votes_) {
+      const auto before = std::ranges::find(votes_before_, vote.floor, &FloorProbability::floor);
+      const double said = before == votes_before_.end() ? 1.0 : before->probability;
       const double news = std::pow(std::max(kLeastVote, vote.probability) / std::pow(std::max(kLeastVote, said), repeated), 1.0 / (1.0 + repeated));
       auto belief = std::ranges::find(floors_, vote.floor, &FloorProbability::floor);
       if (belief == floors_.end()) belief = floors_.insert(floors_.end(), {vote.floor, 0.0});
-      belief->probability = (kept * belief->probability + (1.0 - kept) / static_cast<double>(votes.size())) *
+      belief->probability = (kept * belief->probability + (1.0 - kept) / static_cast<double>(votes_.size())) *
                             (climbing ? std::pow(news, kTrustClimbing) : news);
       total += belief->probability;
     }
     for (FloorProbability& belief : floors_) belief.probability = total > 0.0 ? belief.probability / total : 1.0 / static_cast<double>(floors_.size());
   }
-  floor_votes_.assign(votes.begin(), votes.end());
+  votes_before_ = votes_;
   most_probable_first(floors_);
   foreign_floor_ = 0;
   const FloorOrdinal best = floors_.front().floor;
@@ -283,27 +295,45 @@ void FieldTracker::feed(const GnssFix& fix) {
     floors_ = {{*floor_, 1.0}};
     cloud_.enter(parts_->walkable.plan(*floor_));
   }
-  const WalkableArea::Plan* plan = parts_->walkable.plan(*floor_);
-  outdoors_ = plan && fix.sigma_m < kClearSky_m && !plan->open(static_cast<float>(point.x_m), static_cast<float>(point.y_m));
-  gnss_at_ = fix.time;
-  cloud_.enter(outdoors_ ? nullptr : plan);
-  if (!cloud_.started() || lost_to(point, fix.sigma_m)) {
+  const double memory = gnss_at_ ? std::exp(-std::max(0.0, seconds(fix.time - *gnss_at_)) / kGnssMemoryS) : 0.0;
+  gnss_at_ = std::max(gnss_at_.value_or(fix.time), fix.time);
+  const bool far = cloud_.started() && far_off(point, fix.sigma_m);
+  fixes_elsewhere_ = far && fix.sigma_m < kClearSky_m ? fixes_elsewhere_ + 1 : 0;
+  const bool elsewhere = fixes_elsewhere_ >= kFixesElsewhere;
+  const bool held_in = !outdoors_ && scan_agreed_at_ && seconds(fix.time - *scan_agreed_at_) < kGnssLastsS;
+  if (far && held_in) {
+    if (elsewhere) disputed_at_ = fix.time;
+    return;
+  }
+  const bool left = !held_in && step_out(point, fix.sigma_m);
+  if (!cloud_.started() || elsewhere || left) {
     second_.drop();
     return cloud_.start_about(point, fix.sigma_m, compass(), random_);
   }
-  cloud_.weigh(point, fix.sigma_m);
+  if (far && fixes_elsewhere_ > 0) return;  // the next one tells which of them errs
+  if (at_rest_ && ++fixes_at_rest_ > kFixesAtRest) return;
+  // Fixes err alike for a while: each counts for what it does not repeat of the last [as scans do].
+  cloud_.weigh(point, fix.sigma_m * std::sqrt((1.0 + memory) / (1.0 - memory)));
   cloud_.settle(random_);
 }
 
-/// Fix after fix from where no walker is: nobody near it is left to weigh.
-bool FieldTracker::lost_to(BuildingPoint point, double sigma_m) {
+// Out of the building when fixes in a row stand clear of the plan, in again when one is on it. True when it has just been left: the walls
+// held the walkers back meanwhile.
+bool FieldTracker::step_out(BuildingPoint point, double sigma_m) {
+  const WalkableArea::Plan* plan = parts_->walkable.plan(*floor_);
+  const bool tells = plan && sigma_m < kClearSky_m;
+  fixes_outside_ = tells && !plan->open_within(point, kOutside * sigma_m) ? fixes_outside_ + 1 : 0;
+  const bool was_in = !outdoors_;
+  outdoors_ = tells && !plan->open_within(point, 0.0) && (outdoors_ || fixes_outside_ >= kFixesElsewhere);
+  cloud_.enter(outdoors_ ? nullptr : plan);
+  return outdoors_ && was_in;
+}
+
+// From where no walker is.
+bool FieldTracker::far_off(BuildingPoint point, double sigma_m) const {
   const WalkerCloud::Spread now = cloud_.spread();
   const double spread_m = std::sqrt(now.covariance.xx_m2 + now.covariance.yy_m2);
-  const bool far = distance_m(now.mean, point) > kGnssFar * std::hypot(sigma_m, spread_m);
-  fixes_elsewhere_ = far && sigma_m < kClearSky_m ? fixes_elsewhere_ + 1 : 0;
-  if (fixes_elsewhere_ < kFixesElsewhere) return false;
-  fixes_elsewhere_ = 0;
-  return true;
+  return distance_m(now.mean, point) > kGnssFar * std::hypot(sigma_m, spread_m);
 }
 
 }  // namespace wayfuse

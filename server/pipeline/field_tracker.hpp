@@ -52,7 +52,8 @@ class FieldTracker final : public Tracker {
   bool believe_floors();
   bool informative();
   double echo() const;
-  bool lost_to(BuildingPoint point, double sigma_m);
+  bool far_off(BuildingPoint point, double sigma_m) const;
+  bool step_out(BuildingPoint point, double sigma_m);
   bool elsewhere(double agreeing);
   bool second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried);
   double outdone(double log_evidence) const;
@@ -63,6 +64,7 @@ class FieldTracker final : public Tracker {
   bool astray(const Fix& fix, BuildingPoint carried);
   Integrity integrity(PhoneTime at) const;
   bool stale(PhoneTime at) const;
+  bool disputed(PhoneTime at) const;
   bool foreign() const;
 
   std::shared_ptr<const FieldTrackerParts> parts_;
@@ -72,7 +74,8 @@ class FieldTracker final : public Tracker {
   SecondOpinion second_;
   bool contradicted_ = false;      ///< the track, by the newest scan
   std::vector<FloorProbability> floors_;
-  std::vector<FloorProbability> floor_votes_;  ///< of the newest scan: what the next one repeats of them is not counted again
+  std::vector<FloorProbability> votes_;         ///< for floors, by the newest scan
+  std::vector<FloorProbability> votes_before_;  ///< by the one before: what the newest repeats of them is not counted again
   std::optional<FloorOrdinal> floor_;
   Odometry odometry_;
   std::optional<PhoneTime> newest_;
@@ -86,12 +89,16 @@ class FieldTracker final : public Tracker {
   double speed_mps_ = 0.0;
   bool at_rest_ = false;
   int scans_at_rest_ = 0;
+  int fixes_at_rest_ = 0;
   int foreign_floor_ = 0;
   int heard_scans_ = 0;
   int scans_elsewhere_ = 0;        ///< in a row
   double climbed_m_ = 0.0;         ///< by the barometer, of late
   std::optional<PhoneTime> gnss_at_;
+  std::optional<PhoneTime> scan_agreed_at_;  ///< the newest that knew where it was heard, and did not contradict the track
+  std::optional<PhoneTime> disputed_at_;     ///< the newest satellite fix that such scans deny
   bool outdoors_ = false;          ///< off the plan by a good satellite fix: no walls, and no scans, until it falls silent
+  int fixes_outside_ = 0;          ///< in a row
   int fixes_elsewhere_ = 0;        ///< in a row
   double mismatch_ = 1.0;          ///< smoothed over scans
   int implausible_ = 0;            ///< strong radios of the newest scan that the survey does not hear about here

@@ -18,6 +18,7 @@ constexpr double kRadius68 = 0.86;
 constexpr double kRadius95 = 2.2;
 constexpr double kLeastSpread_m = 1.0;
 constexpr double kDoubtPower = 0.3;
+constexpr double kDisputedS = 5.0;
 constexpr double kStrange = 2.5;               // mismatch: the scan belongs to no surveyed place
 
 const char* words_for(Trick trick) {
@@ -33,10 +34,12 @@ const char* words_for(Trick trick) {
 
 Integrity FieldTracker::integrity(PhoneTime at) const {
   if (watch_.suspect(at)) return Integrity::kSuspect;
-  return stale(at) || foreign() || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;
+  return stale(at) || foreign() || disputed(at) || implausible_ > 0 || mismatch_ > kStrange ? Integrity::kDegraded : Integrity::kOk;
 }
 
 bool FieldTracker::stale(PhoneTime at) const { return !newest_reading_ || seconds(at - *newest_reading_) > kStaleScanS; }
+
+bool FieldTracker::disputed(PhoneTime at) const { return disputed_at_ && seconds(at - *disputed_at_) < kDisputedS; }
 
 bool FieldTracker::foreign() const {
   return from_.transmitters_used < 3 || from_.transmitters_unknown > 3 * from_.transmitters_used;
@@ -46,6 +49,7 @@ std::vector<std::string> FieldTracker::doubts(PhoneTime at) const {
   std::vector<std::string> reasons;
   if (watch_.suspect(at)) reasons.emplace_back(words_for(watch_.trick()));
   if (stale(at)) reasons.emplace_back(kStaleWords);
+  if (disputed(at)) reasons.emplace_back("satellite fixes are far from where scans agree that the phone is");
   if (foreign()) reasons.emplace_back("fewer than 3 access points of the newest scan are known, or more than three times as many are not");
   if (implausible_ > 0) reasons.push_back(std::to_string(implausible_) + " strong access points are not at home around here");
   if (mismatch_ > kStrange) reasons.emplace_back("the scans are like no surveyed place");

@@ -36,7 +36,7 @@ double FieldTracker::outdone(double log_evidence) const {
   if (locator_->mismatch() > kFitsSurvey) return 0.0;
   std::array<float, kDrawn> x_m, y_m, gained{};
   Random random = random_;  // nobody's track depends on having asked
-  const FloorOrdinal there = locator_->floors().front().floor;
+  const FloorOrdinal there = votes_.front().floor;
   if (!locator_->draw(there, random, x_m, y_m)) return 0.0;
   locator_->add_log_likelihood(x_m, y_m, there, gained);
   const double best = static_cast<double>(std::ranges::max(gained));
@@ -61,7 +61,7 @@ bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingP
     return true;
   }
   if (second_.begun() || !contradicted_) return false;
-  const FloorOrdinal there = locator_->floors().front().floor;
+  const FloorOrdinal there = votes_.front().floor;
   second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
   return false;
 }
@@ -69,7 +69,7 @@ bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingP
 // Scans have gone elsewhere for good: the rival that is there already becomes the track, or one begun from the newest scan, which
 // has then said all that it can (true). The old track is heard on as the rival.
 bool FieldTracker::give_up(const Fix& fix, BuildingPoint carried) {
-  const Place there{plus(fix.place.point, carried), locator_->floors().front().floor};
+  const Place there{plus(fix.place.point, carried), votes_.front().floor};
   const bool anew = !second_.speaks_for(there);
   if (anew) second_.begin(parts_->settings, *locator_, there.floor, parts_->walkable.plan(there.floor), carried, compass(), random_);
   if (!second_.begun()) return false;
@@ -87,8 +87,7 @@ void FieldTracker::change_places() {
 // Where the winner stands, whatever floor the newest scan votes for: it won by several, and its walkers are there.
 void FieldTracker::stand_on(FloorOrdinal floor) {
   if (floor != *floor_) {
-    const auto votes = locator_->floors();
-    floors_.assign(votes.begin(), votes.end());
+    floors_ = votes_;
     const auto own = std::ranges::find(floors_, floor, &FloorProbability::floor);
     if (own != floors_.end()) std::swap(own->probability, floors_.front().probability);
     most_probable_first(floors_);

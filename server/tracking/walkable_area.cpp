@@ -23,6 +23,19 @@ const WalkableArea::Plan* WalkableArea::plan(FloorOrdinal floor) const {
   return found == plans_.end() ? nullptr : &*found;
 }
 
+bool WalkableArea::Plan::open_within(BuildingPoint point, double radius_m) const {
+  const double column = (point.x_m - static_cast<double>(x_m_)) / kCell_m, row = (point.y_m - static_cast<double>(y_m_)) / kCell_m;
+  const double reach = std::max(0.75, radius_m / kCell_m);  // the point's own cell at least
+  const auto bound = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(count))); };
+  for (int r = bound(row - reach, rows_); r < bound(row + reach + 1.0, rows_); ++r) {
+    for (int c = bound(column - reach, columns_); c < bound(column + reach + 1.0, columns_); ++c) {
+      if (std::hypot(c + 0.5 - column, r + 0.5 - row) > reach) continue;
+      if (cells_[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)] != 0) return true;
+    }
+  }
+  return false;
+}
+
 WalkableArea::Plan::Plan(const Floor& floor, std::span<const Place> trodden) : floor_(floor.ordinal) {
   double low_x = INFINITY, low_y = INFINITY, high_x = -INFINITY, high_y = -INFINITY;
   const auto include = [&](BuildingPoint p) {

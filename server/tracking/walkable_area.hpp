@@ -28,6 +28,8 @@ class WalkableArea {
       if (!(column >= 0.0f && row >= 0.0f && column < static_cast<float>(columns_) && row < static_cast<float>(rows_))) return false;
       return cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column)] != 0;
     }
+    /// Whether anything within `radius_m` of the point is open.
+    bool open_within(BuildingPoint point, double radius_m) const;
 
    private:
     friend class WalkableArea;

@@ -7,94 +7,12 @@
 #include <numbers>
 
 #include "server/pipeline/tracker.hpp"
+#include "tests/pipeline/block.hpp"
 
 namespace wayfuse {
 namespace {
 
-// A square walk of 30 m a side around a block, radios at its corners and middles, surveyed both ways round.
-constexpr double kSide_m = 30.0;
-constexpr double kSpeedMps = 1.25;
-
-BuildingPoint around(double walked_m) {
-  const double along = std::fmod(std::fmod(walked_m, 4 * kSide_m) + 4 * kSide_m, 4 * kSide_m);
-  const int side = static_cast<int>(along / kSide_m);
-  const double rest = along - side * kSide_m;
-  const BuildingPoint corners[] = {{0, 0}, {kSide_m, 0}, {kSide_m, kSide_m}, {0, kSide_m}};
-  const double dx[] = {1, 0, -1, 0}, dy[] = {0, 1, 0, -1};
-  return {corners[side].x_m + rest * dx[side], corners[side].y_m + rest * dy[side]};
-}
-
-RssScan scan_at(BuildingPoint p, int floor, double time_s) {
-  RssScan scan{PhoneTime(from_seconds(time_s)), {}};
-  for (int radio = 0; radio < 16; ++radio) {
-    const BuildingPoint at = around(7.5 * radio);
-    const double level = -38.0 - 22.0 * std::log10(1.0 + distance_m(p, at) / 2.0);
-    if (level < -92.0) continue;
-    scan.readings.push_back({Bssid{0x00'20'00'00'00'00u + static_cast<std::uint64_t>(floor * 64 + radio)}, level, Duration{0}, 2437, {}, {}});
-  }
-  return scan;
-}
-
-std::shared_ptr<const Site> block() {
-  auto site = std::make_shared<Site>();
-  site->building = BuildingId{1};
-  for (int floor = 0; floor < 2; ++floor) {
-    site->floors.push_back({FloorOrdinal{floor}, std::to_string(floor), {}, {}});
-    for (int walk = 0; walk < 4; ++walk) {
-      for (int i = 0; i <= 96; ++i) {
-        const BuildingPoint p = around((walk % 2 ? -1.25 : 1.25) * i);
-        site->survey.push_back(
-            {{p, FloorOrdinal{floor}}, 0.0, "phone", "w" + std::to_string(floor * 4 + walk), {}, {scan_at(p, floor, i)}});
-      }
-    }
-  }
-  return site;
-}
-
-std::shared_ptr<const TrackerFactory> default_pipeline() {
-  static const auto factory = *assemble(*preset("default"), block());
-  return factory;
-}
-
-MotionReport step(double time_s, double heading_rad) {
-  MotionReport motion;
-  motion.time = PhoneTime(from_seconds(time_s));
-  motion.interval = from_seconds(0.5);
-  motion.heading = Heading::from_radians(heading_rad);
-  motion.heading_sigma_rad = 0.1;
-  motion.steps = 1;
-  motion.step_length_m = kSpeedMps * 0.5;
-  return motion;
-}
-
-MotionReport rest(double time_s) {
-  MotionReport motion;
-  motion.time = PhoneTime(from_seconds(time_s));
-  motion.interval = from_seconds(0.5);
-  motion.at_rest = true;
-  return motion;
-}
-
-/// Walks from `begin_s` to `end_s` of a round at the compass error given; a scan every 2 s. Mean error of the last half.
-double walk(Tracker& tracker, double begin_s, double end_s, double compass_error_rad, double louder_db = 0.0) {
-  double sum = 0.0;
-  int count = 0;
-  for (double t = begin_s + 0.5; t <= end_s; t += 0.5) {
-    const BuildingPoint a = around(kSpeedMps * (t - 0.5)), b = around(kSpeedMps * t);
-    tracker.feed(step(t, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m) + compass_error_rad));
-    if (std::fmod(t, 2.0) == 0.0) {
-      RssScan scan = scan_at(b, 1, t);
-      for (ScanReading& reading : scan.readings) reading.rss_dbm += louder_db;
-      tracker.feed(scan);
-    }
-    if (t < (begin_s + end_s) / 2) continue;
-    const auto position = tracker.position(PhoneTime(from_seconds(t)));
-    if (!position) return INFINITY;
-    sum += distance_m(position->place.point, b);
-    ++count;
-  }
-  return sum / count;
-}
+using namespace block;
 
 TEST(FieldTracker, FollowsAWalkerWhoseCompassIsOff) {
   const auto tracker = default_pipeline()->make_tracker(Random(1));
@@ -258,37 +176,6 @@ TEST(FieldTracker, ALouderPhoneIsNotWorseForLong) {
   EXPECT_LT(error_m(7.0), error_m(0.0) + 0.5);
 }
 
-TEST(FieldTracker, SatellitesTakeThePhoneOutOfTheBuildingAndBackIn) {
-  auto site = std::make_shared<Site>(*block());
-  site->georeference = Georeference{{47.0, 8.0}, 0.3};
-  for (Floor& floor : site->floors) floor.outline = {{{{-2, -2}, {kSide_m + 2, -2}, {kSide_m + 2, kSide_m + 2}, {-2, kSide_m + 2}}}};
-  const auto factory = *assemble(*preset("default"), site);
-  const auto tracker = factory->make_tracker(Random(7));
-  walk(*tracker, 0.0, 24.0, 0.0);  // to the middle of the south side
-  // Out through the wall to the south, 60 m and back; the building is still heard, fainter.
-  const auto outside = [&](double t) { return BuildingPoint{around(kSpeedMps * 24.0).x_m, -(t < 72.0 ? t - 24.0 : 120.0 - t) * kSpeedMps}; };
-  Random noise(3);
-  for (double t = 24.5; t <= 110.0; t += 0.5) {
-    tracker->feed(step(t, t <= 72.0 ? -std::numbers::pi / 2 : std::numbers::pi / 2));
-    const BuildingPoint p = outside(t);
-    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(p, 1, t));
-    if (p.y_m > -6.0 || std::fmod(t, 1.0) != 0.0) continue;
-    const BuildingPoint heard{p.x_m + 4.0 * noise.normal(), p.y_m + 4.0 * noise.normal()};
-    tracker->feed(GnssFix{PhoneTime(from_seconds(t)), site->georeference->to_geo(heard), 5.0, {}, {}});
-    if (t == 72.0) {
-      EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(t)))->place.point, p), 6.0);
-    }
-  }
-  double t = 110.0;
-  for (; t < 160.0; t += 0.5) {  // back in, round the block
-    const double walked = kSpeedMps * (t - 110.0);
-    const BuildingPoint a = around(walked), b = around(walked + 0.5 * kSpeedMps);
-    tracker->feed(step(t + 0.5, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m)));
-    if (std::fmod(t, 2.0) == 0.0) tracker->feed(scan_at(b, 1, t + 0.5));
-  }
-  EXPECT_LT(distance_m(tracker->position(PhoneTime(from_seconds(t)))->place.point, around(kSpeedMps * 50.0)), 6.0);
-}
-
 TEST(FieldTracker, ALiftTakesAPhoneAtRestToAnotherFloor) {
   const auto tracker = default_pipeline()->make_tracker(Random(5));
   walk(*tracker, 0.0, 20.0, 0.0);
@@ -407,10 +294,10 @@ TEST(FieldTracker, AnEmptyMapSaysSo) {
 TEST(FieldTracker, WalkersRefuseRolesTheyBringThemselves) {
   PipelineSpec spec = *preset("default");
   spec.parts["motion"] = {"walk", {}};
-  EXPECT_EQ(assemble(spec, block()).fault().field, "parts.motion");
+  EXPECT_EQ(assemble(spec, block_site()).fault().field, "parts.motion");
   spec.parts.erase("motion");
   spec.parts["locator"] = {"wknn", {}};
-  EXPECT_EQ(assemble(spec, block()).fault().field, "parts.locator");
+  EXPECT_EQ(assemble(spec, block_site()).fault().field, "parts.locator");
 }
 
 }  // namespace

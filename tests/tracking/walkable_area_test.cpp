@@ -33,6 +33,19 @@ TEST(WalkableArea, ShopsAreClosedAndEdgesForgive) {
   EXPECT_FALSE(plan->open(1e9f, 5));
 }
 
+TEST(WalkableArea, TellsHowFarOffThePlanAPointIs) {
+  const std::vector<Floor> floors = {with_a_shop()};
+  const WalkableArea area(floors, {});
+  const auto* plan = area.plan(FloorOrdinal{0});
+  EXPECT_TRUE(plan->open_within({3, 3}, 0.0));
+  EXPECT_FALSE(plan->open_within({10, 2}, 0.0)) << "in the shop";
+  EXPECT_TRUE(plan->open_within({10, 2}, 2.0));
+  EXPECT_FALSE(plan->open_within({30, 5}, 8.0)) << "8.5 m to the forgiven edge";
+  EXPECT_TRUE(plan->open_within({30, 5}, 9.0));
+  EXPECT_TRUE(plan->open_within({-30, -40}, 1e9));
+  EXPECT_FALSE(plan->open_within({1e15, -1e15}, 10.0));
+}
+
 TEST(WalkableArea, WhereSomebodyHasBeenIsOpen) {
   const std::vector<Floor> floors = {with_a_shop()};
   const std::vector<Place> trodden = {{{10.0, 2.0}, FloorOrdinal{0}}};
