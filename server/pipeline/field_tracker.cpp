@@ -317,14 +317,14 @@ void FieldTracker::feed(const GnssFix& fix) {
   cloud_.settle(random_);
 }
 
-// Out of the building when fixes in a row stand clear of the plan, in again when one is on it. True when it has just been left: the walls
-// held the walkers back meanwhile.
+// Out of the building when fixes in a row stand clear of the plan, or the first of all does; in again when one is on it. True when it has
+// just been left: the walls held the walkers back meanwhile.
 bool FieldTracker::step_out(BuildingPoint point, double sigma_m) {
   const WalkableArea::Plan* plan = parts_->walkable.plan(*floor_);
   const bool tells = plan && sigma_m < kClearSky_m;
   fixes_outside_ = tells && !plan->open_within(point, kOutside * sigma_m) ? fixes_outside_ + 1 : 0;
   const bool was_in = !outdoors_;
-  outdoors_ = tells && !plan->open_within(point, 0.0) && (outdoors_ || fixes_outside_ >= kFixesElsewhere);
+  outdoors_ = tells && !plan->open_within(point, 0.0) && (outdoors_ || fixes_outside_ >= (cloud_.started() ? kFixesElsewhere : 1));
   cloud_.enter(outdoors_ ? nullptr : plan);
   return outdoors_ && was_in;
 }
