@@ -205,7 +205,8 @@ void FieldTracker::feed(const RssScan& scan) {
     const bool lost_to_another = second_opinion(heard.log_evidence, *fix, carried);
     if (elsewhere(heard.agree) && !lost_to_another) give_up(*fix, carried);
     const bool on_new_floor = climbed && !lost && !lost_to_another;
-    cloud_.renew(on_new_floor ? kRenewedOnNewFloor : cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
+    // Not while it has a rival: walkers drawn from the scans would speak for the rival's place in the track's name.
+    if (!second_.challenges()) cloud_.renew(on_new_floor ? kRenewedOnNewFloor : cloud_.renewed(), *locator_, *floor_, carried, compass(), random_);
     cloud_.settle(random_);
   }
   weighed_to_ = newest_reading_;

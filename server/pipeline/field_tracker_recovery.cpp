@@ -16,6 +16,8 @@ constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed
 constexpr std::size_t kDrawn = 64;           // places that speak for a scan
 constexpr double kOutdone = 5.0;             // log-likelihood they are ahead by; honest tracks begin to suffer at 3
 constexpr double kOutdoneForGood = 12.0;     // no scan of an honest walk was as far ahead, but where its track was lost
+constexpr double kHeadStart = 0.5;            // of what it takes to win, for a rival whose places were ahead by kOutdone
+constexpr double kFitsNothing = 2.5;          // mismatch
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 
 }  // namespace
@@ -33,7 +35,7 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
 // How far places drawn from the newest scan alone are ahead of the track in foretelling it, log-likelihood; 0 where it cannot say. A
 // track may be a little way off, where the survey about it still resembles the scan.
 double FieldTracker::outdone(double log_evidence) const {
-  if (locator_->mismatch() > kFitsSurvey) return 0.0;
+  if (locator_->mismatch() > kFitsNothing) return 0.0;
   std::array<float, kDrawn> x_m, y_m, gained{};
   Random random = random_;  // nobody's track depends on having asked
   const FloorOrdinal there = votes_.front().floor;
@@ -49,12 +51,14 @@ double FieldTracker::outdone(double log_evidence) const {
 bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried) {
   if (!parts_->settings.second_opinion) return false;
   const double behind = outdone(log_evidence);
-  if (behind > kOutdoneForGood && !watch_.copied()) {
+  const bool surveyed = locator_->mismatch() < kFitsSurvey;  // elsewhere it takes more to be contradicted, and another scan to be left
+  if (surveyed && behind > kOutdoneForGood && !watch_.copied()) {
     watch_.left_at_once(*newest_);
     give_up(fix, carried);
     return true;
   }
-  contradicted_ = contradicted_ || behind > kOutdone;
+  const bool outdone_by_far = behind > (surveyed ? kOutdone : kOutdoneForGood);
+  contradicted_ = contradicted_ || outdone_by_far;
   const SecondOpinion::First first{log_evidence, contradicted_, second_.begun() ? cloud_.spread().mean : BuildingPoint{}, *floor_};
   if (second_.hear(*locator_, first, carried, echo(), compass(), random_)) {
     change_places();
@@ -62,7 +66,7 @@ bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingP
   }
   if (second_.begun() || !contradicted_) return false;
   const FloorOrdinal there = votes_.front().floor;
-  second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_);
+  second_.begin(parts_->settings, *locator_, there, parts_->walkable.plan(there), carried, compass(), random_, outdone_by_far && surveyed ? kHeadStart : 0.0);
   return false;
 }
 

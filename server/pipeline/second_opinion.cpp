@@ -26,8 +26,8 @@ bool SecondOpinion::contradicts(double misfit, double mismatch) {
 }
 
 void SecondOpinion::begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan,
-                          BuildingPoint carried, const CompassPrior& compass, Random& random) {
-  rival_ = std::make_unique<Rival>(Rival{WalkerCloud(settings), floor, 0.0, 0, false});
+                          BuildingPoint carried, const CompassPrior& compass, Random& random, double lead) {
+  rival_ = std::make_unique<Rival>(Rival{WalkerCloud(settings), floor, lead * kWins, 0, false});
   rival_->cloud.enter(plan);
   rival_->cloud.start_from(locator, floor, carried, compass, random);
   if (!rival_->cloud.started()) drop();

@@ -21,11 +21,13 @@ class SecondOpinion {
   static bool contradicts(double misfit, double mismatch);
 
   bool begun() const { return rival_ != nullptr; }
+  /// It came up against the track, and is not who was the track before.
+  bool challenges() const { return rival_ && !rival_->unseated; }
   /// The rival is about there.
   bool speaks_for(Place place) const;
-  /// From the locator's newest scan; stays unbegun when it cannot say.
+  /// From the locator's newest scan; stays unbegun when it cannot say. `lead` of what it takes to win that scan has won it already.
   void begin(const WalkerSettings& settings, Locator& locator, FloorOrdinal floor, const WalkableArea::Plan* plan, BuildingPoint carried,
-             const CompassPrior& compass, Random& random);
+             const CompassPrior& compass, Random& random, double lead = 0.0);
   /// As WalkerCloud::walk.
   void walk(double dx_m, double dy_m, double sigma_m, double on_foot_s, Random& random);
   struct First {

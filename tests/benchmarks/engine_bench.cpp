@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <ranges>
 #include <vector>
 
 #include "server/locating/radio_map.hpp"
@@ -125,12 +126,29 @@ RssScan session_scan(BuildingPoint at, Random& random, std::uint64_t addresses =
   return scan;
 }
 
-std::shared_ptr<const TrackerFactory> session_pipeline(const char* preset_name) {
+// `planned`: with walls all round and nine shops that nobody surveyed, aisles of 4 m between them.
+constexpr BuildingPoint shop_corner(int shop) { return {1.0 + 20.0 * (shop % 3), 1.0 + 13.0 * (shop / 3)}; }
+constexpr double kShopWide_m = 16.0, kShopDeep_m = 9.0;
+
+std::shared_ptr<const TrackerFactory> session_pipeline(const char* preset_name, bool planned = false) {
   auto site = std::make_shared<Site>();
+  if (planned) {
+    const auto box = [](double x, double y, double wide, double high) { return Ring{{x, y}, {x + wide, y}, {x + wide, y + high}, {x, y + high}}; };
+    Floor floor;
+    floor.outline = {{box(-1.0, -1.0, 60.0, 40.0)}};
+    floor.walkable = {floor.outline};
+    for (int shop = 0; shop < 9; ++shop) floor.walkable.front().rings.push_back(box(shop_corner(shop).x_m, shop_corner(shop).y_m, kShopWide_m, kShopDeep_m));
+    site->floors = {floor};
+  }
   Random random(2);
   for (int i = 0; i < 600; ++i) {
     ReferencePoint point;
     point.place.point = {2.0 * (i % 30), 2.0 * (i / 30)};
+    const auto inside = [&](int shop) {
+      const BuildingPoint in = {point.place.point.x_m - shop_corner(shop).x_m, point.place.point.y_m - shop_corner(shop).y_m};
+      return in.x_m > 0.0 && in.x_m < kShopWide_m && in.y_m > 0.0 && in.y_m < kShopDeep_m;
+    };
+    if (planned && std::ranges::any_of(std::views::iota(0, 9), inside)) continue;
     point.walk = "walk-" + std::to_string(i / 60);
     point.scans = {session_scan(point.place.point, random)};
     point.scans[0].time = PhoneTime{std::chrono::seconds(i)};
@@ -150,8 +168,8 @@ MotionReport session_step() {
   return step;
 }
 
-void session(benchmark::State& state, const char* preset_name, bool scans, std::uint64_t addresses = 1) {
-  const auto tracker = session_pipeline(preset_name)->make_tracker(Random(1));
+void session(benchmark::State& state, const char* preset_name, bool scans, std::uint64_t addresses = 1, bool planned = false) {
+  const auto tracker = session_pipeline(preset_name, planned)->make_tracker(Random(1));
   Random random(3);
   PhoneTime time{std::chrono::seconds(1000)};
   RssScan scan = session_scan({20, 20}, random, addresses);
@@ -178,6 +196,8 @@ BENCHMARK_CAPTURE(session, p1_scan, "p1", true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_step, "default", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_scan, "default", true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(session, default_scan_in_a_mall, "default", true, 6)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, default_step_among_walls, "default", false, 1, true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(session, default_scan_among_walls, "default", true, 1, true)->Unit(benchmark::kMicrosecond);
 
 // What a walking session holds: its tracker, the copies it may go back to, the evidence of the last seconds.
 // Going round in a circle it hears what it should; walking straight on, scans soon contradict the track, and some sessions hold a rival as well.

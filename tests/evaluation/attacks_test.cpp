@@ -73,7 +73,9 @@ Measured fold(const std::string& id, double off_m, bool suspect) {
   fold.runs = {run_over(fold.instants, 1.0, false)};
   fold.throttled = {{30.0, {run_over(fold.instants, 2.0 * off_m, false)}}};
   fold.attacked.push_back({{"fakes", "elsewhere", 3, 0.0, fold.walks, fold.instants, {at(108.0)}}, {run_over(fold.instants, off_m, suspect)}, {}});
-  fold.attacked.push_back({{"kidnap", "start", 0, 30.0, fold.walks, fold.instants, {at(102.0)}}, {run_over(fold.instants, off_m, suspect)},
+  auto arrived = fold.instants;
+  for (Instant& instant : arrived[0]) instant.covered = id == "b";
+  fold.attacked.push_back({{"kidnap", "start", 0, 30.0, fold.walks, arrived, {at(102.0)}}, {run_over(fold.instants, off_m, suspect)},
                            {run_over(fold.instants, 3.0, false)}});
   fold.poisoned.push_back({{{}, 0.05, 0.0, true, 5, 4, 3}, {run_over(fold.instants, off_m, false)}});
   fold.survey_walks = 10;
@@ -104,9 +106,12 @@ TEST(Attacks, FoldsAreJudgedTogether) {
   EXPECT_DOUBLE_EQ(fakes.clean_p95_m, 1.0) << "the same walks, unattacked";
   const AttackRow& carried = outcome.attacks[1];
   EXPECT_DOUBLE_EQ(carried.scan_every_s, 30.0);
-  EXPECT_DOUBLE_EQ(carried.within10_15s, 0.5);
-  EXPECT_DOUBLE_EQ(carried.clean_within10_15s, 1.0);
-  EXPECT_DOUBLE_EQ(carried.clean_p95_15s_m, 3.0) << "switched on there";
+  EXPECT_EQ(carried.carried[0].walks, 2u);
+  EXPECT_DOUBLE_EQ(carried.carried[0].within10, 0.5);
+  EXPECT_DOUBLE_EQ(carried.switched_on[0].within10, 1.0);
+  EXPECT_DOUBLE_EQ(carried.switched_on[0].p95_m, 3.0);
+  EXPECT_EQ(carried.carried[1].walks, 1u) << "the other one is off the survey by then";
+  EXPECT_DOUBLE_EQ(carried.carried[1].within10, 0.0);
   ASSERT_EQ(outcome.poisons.size(), 1u);
   EXPECT_EQ(outcome.poisons[0].misplaced, 10u);
   EXPECT_EQ(outcome.poisons[0].doubted_rightly, 6u);

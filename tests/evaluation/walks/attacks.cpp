@@ -97,14 +97,19 @@ std::vector<double> errors_from(const std::vector<Instant>& instants, const Answ
   return errors;
 }
 
+struct Error {
+  double m = 0.0;
+  bool covered = false;
+};
+
 // At the last instant within `within` that was answered.
-std::optional<double> error_by(const std::vector<Instant>& instants, const Answers& answers, PhoneTime from, Duration within) {
-  std::optional<double> error;
+std::optional<Error> error_by(const std::vector<Instant>& instants, const Answers& answers, PhoneTime from, Duration within) {
+  std::optional<Error> error;
   bool long_enough = false;
   for (std::size_t i = 0; i < instants.size(); ++i) {
     if (instants[i].time >= from + within) long_enough = true;
     if (instants[i].time < from || instants[i].time > from + within || !answers[i]) continue;
-    error = distance_m(answers[i]->place.point, instants[i].truth.point);
+    error = {distance_m(answers[i]->place.point, instants[i].truth.point), instants[i].covered};
   }
   return long_enough ? error : std::nullopt;
 }
@@ -113,9 +118,13 @@ double p(std::vector<double> values, double share) {
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : percentile(values, share);
 }
 
-double share_within_10m(const std::vector<double>& errors_m) {
-  if (errors_m.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(std::ranges::count_if(errors_m, [](double error_m) { return error_m < 10.0; })) / static_cast<double>(errors_m.size());
+FoundBack found_back(const std::vector<Error>& errors, Scope scope) {
+  std::vector<double> errors_m;
+  for (const Error& error : errors) {
+    if (scope == Scope::kAll || error.covered) errors_m.push_back(error.m);
+  }
+  const auto within = static_cast<double>(std::ranges::count_if(errors_m, [](double error_m) { return error_m < 10.0; }));
+  return {errors_m.size(), p(errors_m, 0.95), errors_m.empty() ? std::numeric_limits<double>::quiet_NaN() : within / static_cast<double>(errors_m.size())};
 }
 
 }  // namespace
@@ -220,7 +229,8 @@ std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped) {
 
 AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, const ScoredData& data, const PipelineRun& clean) {
   AttackRow row{run.pipeline, attacked.attack, attacked.kind, attacked.fakes, attacked.scan_every_s};
-  std::vector<double> errors, clean_errors, at15, clean_at15;
+  std::vector<double> errors, clean_errors;
+  std::vector<Error> at15, clean_at15;
   std::size_t flagged = 0;
   for (std::size_t w = 0; w < attacked.walks.size(); ++w) {
     const auto& instants = attacked.instants[w];
@@ -244,8 +254,10 @@ AttackRow score_attack(const AttackedWalks& attacked, const PipelineRun& run, co
   row.flagged = row.walks == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(flagged) / static_cast<double>(row.walks);
   row.p75_m = p(errors, 0.75), row.p95_m = p(errors, 0.95);
   row.clean_p75_m = p(clean_errors, 0.75), row.clean_p95_m = p(clean_errors, 0.95);
-  row.p95_15s_m = p(at15, 0.95), row.clean_p95_15s_m = p(clean_at15, 0.95);
-  row.within10_15s = share_within_10m(at15), row.clean_within10_15s = share_within_10m(clean_at15);
+  for (const Scope scope : {Scope::kAll, Scope::kCovered}) {
+    const auto s = static_cast<std::size_t>(scope);
+    row.carried[s] = found_back(at15, scope), row.switched_on[s] = found_back(clean_at15, scope);
+  }
   return row;
 }
 

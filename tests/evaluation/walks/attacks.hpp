@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -55,6 +56,13 @@ AttackedWalks kidnapped(const ScoredData& data, bool mid);
 /// The same from where they were carried to on, in their order: phones switched on there, which know of no earlier walk.
 std::vector<ScoredWalk> switched_on(const AttackedWalks& kidnapped);
 
+/// Where phones are at the last instant within 15 s of being carried off, or switched on.
+struct FoundBack {
+  std::size_t walks = 0;          ///< that last so long
+  double p95_m = 0.0;             ///< of the error, over them
+  double within10 = 0.0;          ///< share nearer than 10 m
+};
+
 /// What came of an attack on one pipeline, the same instants with and without it.
 struct AttackRow {
   std::string pipeline, attack, kind;
@@ -65,9 +73,8 @@ struct AttackRow {
   double flagged = 0.0;           ///< share of the walks that were `suspect` at an instant within 5 s
   double p75_m = 0.0, p95_m = 0.0;
   double clean_p75_m = 0.0, clean_p95_m = 0.0;  ///< unattacked; kidnapped: switched on there
-  double within10_15s = 0.0;      ///< kidnapped: share of the walks nearer than 10 m at the last instant by 15 s
-  double p95_15s_m = 0.0;         ///< kidnapped: p95 over walks of the error then
-  double clean_within10_15s = 0.0, clean_p95_15s_m = 0.0;   ///< the same for phones switched on there
+  /// Of kidnapped phones, and of those switched on there; by Scope.
+  std::array<FoundBack, 2> carried{}, switched_on{};
 };
 /// `data` and `clean`: the same walks unattacked, found by their ids, and how `run`'s pipeline did on them; of kidnapped phones, those
 /// switched on where they were carried to.
