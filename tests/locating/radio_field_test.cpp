@@ -96,6 +96,25 @@ TEST_F(RadioFieldCorridor, APhoneThatHearsFiveDecibelsMoreStaysWhereItIs) {
   EXPECT_NEAR(louder->place.point.x_m, usual->place.point.x_m, 1.5);
 }
 
+// Every other radio, the loudest among them, was heard a while and 20 m ago.
+TEST_F(RadioFieldCorridor, WhatWasHeardLongAgoSpeaksEverMoreQuietly) {
+  const auto x_m = [&](double age_s) {
+    RssScan scan = scan_at(30.0, 0);
+    const RssScan before = scan_at(10.0, 0);
+    for (std::size_t i = 0; i < scan.readings.size(); i += 2) {
+      scan.readings[i] = before.readings[i];
+      scan.readings[i].age = from_seconds(age_s);
+    }
+    return locator_->locate(scan)->place.point.x_m;
+  };
+  EXPECT_LT(x_m(0.0), 18.0);
+  EXPECT_EQ(x_m(2.0), x_m(0.0)) << "a cache of 2 s is fresh";
+  EXPECT_GT(x_m(4.0), x_m(2.0) + 4.0);
+  EXPECT_GT(x_m(7.0), 25.0);
+  EXPECT_NEAR(x_m(8.5), 30.0, 1.0);
+  EXPECT_EQ(x_m(20.0), x_m(8.5));
+}
+
 TEST_F(RadioFieldCorridor, VirtualAccessPointsOfARadioCountOnce) {
   RssScan scan = scan_at(12.0, 0);
   const auto alone = locator_->locate(scan);
