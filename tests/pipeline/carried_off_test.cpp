@@ -15,12 +15,13 @@ class Scripted final : public Locator {
  public:
   std::unique_ptr<Locator> clone() const override { return std::make_unique<Scripted>(*this); }
   /// The only reading's level says what to play: -50 here, -60 carried off, -70 too, but the floors are taken for one another,
-  /// -80 carried off to where the survey about the track resembles the scan as well, -90 to where it does not at all. The last alone
-  /// speaks so clearly that one scan is enough.
+  /// -80 carried off to where the survey about the track resembles the scan as well, -90 to where it does not at all, which speaks so clearly
+  /// that one scan is enough; -95 so does, and leaves no doubt of the floor.
   std::optional<Fix> locate(const RssScan& scan) override {
     level_dbm_ = scan.readings[0].rss_dbm;
     const bool above_first = level_dbm_ == -60.0 || level_dbm_ <= -80.0;
-    votes_ = {{{FloorOrdinal{above_first ? 1 : 0}, 0.6}, {FloorOrdinal{above_first ? 0 : 1}, 0.4}}};
+    const double first = level_dbm_ == -95.0 ? 1.0 - 1e-6 : 0.6;
+    votes_ = {{{FloorOrdinal{above_first ? 1 : 0}, first}, {FloorOrdinal{above_first ? 0 : 1}, 1.0 - first}}};
     return Fix{{point(), FloorOrdinal{away() ? 1 : 0}}, 3.0, 10};
   }
   std::span<const FloorProbability> floors() const override { return votes_; }
@@ -43,12 +44,12 @@ class Scripted final : public Locator {
   std::optional<double> misfit(FloorOrdinal, BuildingPoint at) const override {
     if (level_dbm_ == -80.0) return 0.0;
     if (distance_m(at, point()) <= 25.0) return -0.3;
-    return level_dbm_ == -90.0 ? 0.5 : 0.1;
+    return level_dbm_ <= -90.0 ? 0.5 : 0.1;
   }
 
  private:
   bool away() const { return level_dbm_ != -50.0; }
-  double least() const { return level_dbm_ == -90.0 ? 20.0 : 11.5; }  // log-likelihood a place loses at most
+  double least() const { return level_dbm_ <= -90.0 ? 20.0 : 11.5; }  // log-likelihood a place loses at most
   BuildingPoint point() const { return away() ? kThere : kHere; }
   double level_dbm_ = -50.0;
   std::array<FloorProbability, 2> votes_{};
@@ -106,6 +107,19 @@ TEST_F(CarriedOff, OneScanThatOnlyAnotherPlaceForetellsMovesTheTrackAndIsSuspect
   EXPECT_LT(distance_m(position.place.point, kThere), 5.0);
   EXPECT_EQ(position.place.floor, FloorOrdinal{1});
   EXPECT_EQ(position.integrity, Integrity::kSuspect) << "it may be somebody's trick";
+}
+
+// Walkers drawn from a scan foretell it, which accuses nobody: none are before it is asked what the track foretells.
+TEST_F(CarriedOff, ToAnotherFloorForCertainItIsSuspectAtOnceAndLeavesNobodyBehind) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    begin({}, seed);
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(track(-50.0).integrity, Integrity::kOk);
+    const FusedPosition position = track(-95.0);
+    EXPECT_EQ(position.place.floor, FloorOrdinal{1}) << seed;
+    EXPECT_EQ(position.integrity, Integrity::kSuspect) << seed;
+    EXPECT_LT(distance_m(position.place.point, kThere), 2.0) << seed;
+    EXPECT_LT(position.radius68_m, 8.0) << seed;
+  }
 }
 
 TEST_F(CarriedOff, ATrackThatHadNoStandingMovesAndAccusesNobody) {
