@@ -260,7 +260,9 @@ TEST(FieldTracker, AThrottledPhoneIsDegradedOnlyWhenItsScansStopComing) {
     const auto position = tracker->position(PhoneTime(from_seconds(t)));
     ASSERT_TRUE(position);
     EXPECT_EQ(position->integrity, Integrity::kOk) << t;
-    if (t > 40.0) EXPECT_LT(distance_m(position->place.point, b), 8.0) << t;
+    if (t > 40.0) {
+      EXPECT_LT(distance_m(position->place.point, b), 8.0) << t;
+    }
   }
   const PhoneTime late(from_seconds(133.0));
   EXPECT_EQ(tracker->position(late)->integrity, Integrity::kDegraded);

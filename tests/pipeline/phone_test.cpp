@@ -208,22 +208,26 @@ TEST(Phone, OnStairsNobodyKnowsTheStride) {
   EXPECT_EQ(along_m(1.0), along_m(0.0)) << "a ramp";
 }
 
-// Off by 15 m when it steps out upstairs: the first scan there is heard, though hardly a walker stands where it says.
+// Off by 25 m when it steps out upstairs: the first scan there is heard, though hardly a walker stands where it says; or calls up a rival,
+// which the second makes the track.
 TEST(Phone, IsLookedForAnewOnANewFloor) {
   for (const bool second_opinion : {false, true}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       ToldPhone phone(seed, {.second_opinion = second_opinion});
+      phone.told->most = 10.0;
       phone.told->votes = {{kGround, 0.99}, {kFirst, 0.01}};
       for (int i = 0; i < 15; ++i) phone.go(1.0, 0.0, 2.0), phone.hear({1.0 * i, 0.0});
       phone.go(1.0, 0.0, 2.0, 3.5);
       phone.told->votes = {{kFirst, 0.9999}, {kGround, 0.0001}};
       phone.told->floor = kFirst;
-      const FusedPosition first = phone.hear({15.0, 15.0});
+      const FusedPosition first = phone.hear({15.0, 25.0});
       EXPECT_EQ(first.place.floor, kFirst);
-      EXPECT_LT(distance_m(first.place.point, {15.0, 15.0}), 12.0) << "seed " << seed;
+      if (!second_opinion) {
+        EXPECT_LT(distance_m(first.place.point, {15.0, 25.0}), 20.0) << "seed " << seed;
+      }
       phone.go(1.0, 0.0, 2.0);
-      const FusedPosition second = phone.hear({16.0, 15.0});
-      EXPECT_LT(distance_m(second.place.point, {16.0, 15.0}), 8.0) << "seed " << seed;
+      const FusedPosition second = phone.hear({16.0, 25.0});
+      EXPECT_LT(distance_m(second.place.point, {16.0, 25.0}), 10.0) << "seed " << seed;
     }
   }
 }
