@@ -106,7 +106,7 @@ int measure_agreement(const AgreementOptions& options) {
   Heard heard;
   ProgressBar progress("folds", static_cast<std::size_t>(options.folds));
   for (int fold = 0; fold < options.folds; ++fold) {
-    const auto selection = select_walks(*site, {.only = {}, .folds = options.folds, .fold = fold});
+    const auto selection = select_walks(*site, {.only = {}, .folds = options.folds, .fold = fold, .may_be_empty = true});
     if (!selection) return complain(selection.fault());
     auto session = SessionReplay::create(*site, selection->survey);
     if (!session) return complain(session.fault());

@@ -92,7 +92,7 @@ Result<Surveyed> survey_with(const WalksOptions& options, const RecordedSite& si
 Result<Selection> select(const WalksOptions& options, const RecordedSite& site, const SelectionOptions& selecting) {
   auto selection = select_walks(site, selecting);
   if (!selection) return selection;
-  for (const std::string& complaint : selection->complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
+  print_some("left out", selection->complaints);
   if (options.rss_offset_db != 0.0) shift_levels(selection->scored, options.rss_offset_db);
   return selection;
 }
@@ -223,9 +223,16 @@ int publish(const WalksOptions& options, const WalksOutcome& outcome, const Meas
 // walks; what comes out is one table over all of them.
 int measure_folds(const WalksOptions& options, const RecordedSite& site) {
   std::optional<Measured> all;
-  const auto measure = [&](const SelectionOptions& selecting) -> Result<void> {
+  std::string nothing;
+  const auto measure = [&](SelectionOptions selecting) -> Result<void> {
+    selecting.may_be_empty = true;
     auto selection = select(options, site, selecting);
     if (!selection) return selection.fault();
+    if (selection->scored.empty()) {
+      nothing = selection->nothing;
+      std::fprintf(stderr, "note: passed over: %s\n", nothing.c_str());
+      return {};
+    }
     auto measured = measure_over(options, site, *std::move(selection));
     if (!measured) return measured.fault();
     if (all) all->append(*std::move(measured));
@@ -241,6 +248,7 @@ int measure_folds(const WalksOptions& options, const RecordedSite& site) {
     std::fprintf(stderr, "test walks\n");
     if (const auto done = measure({.chain = options.chain, .only = {}}); !done) return complain(done.fault());
   }
+  if (!all && !nothing.empty()) return complain({FaultCode::kNotFound, "walks", nothing});
   if (!all) return complain({FaultCode::kOutOfRange, "--score-folds", "none of them is below --folds"});
   return publish(options, outcome_of(options, site, *all), *all, site, nullptr);
 }

@@ -185,6 +185,33 @@ TEST_F(SiteOnDisk, AChainBelongsToTheFoldOfItsFirstWalkAndIsScoredOnce) {
   EXPECT_EQ(scored, 1);
 }
 
+TEST_F(SiteOnDisk, AFoldWithNothingToScoreIsAnAnswerWhereFoldsAreAskedFor) {
+  const std::string only = id_of(Split::kSurvey, 0);
+  walk(only, 0, 0, 10);
+  const int other = 1 - fold_of(only, 2);
+  const auto empty = select_walks(site(), {.only = {}, .folds = 2, .fold = other, .may_be_empty = true});
+  ASSERT_TRUE(empty) << to_string(empty.fault());
+  EXPECT_TRUE(empty->scored.empty());
+  EXPECT_NE(empty->nothing.find("none to score"), std::string::npos);
+  EXPECT_EQ(empty->survey.size(), 1u);
+  EXPECT_FALSE(select_walks(site(), {.only = {}, .folds = 2, .fold = other}));
+}
+
+TEST_F(SiteOnDisk, AFaultSaysWhichWalksCannotBeReadAndWhy) {
+  const auto cause = [&](const SelectionOptions& options) {
+    const auto selection = select_walks(site(), options);
+    return selection ? std::string("none") : to_string(selection.fault());
+  };
+  const std::string test = id_of(Split::kTest, 0);
+  std::ofstream(folder_ / "F1/path_data_files" / (test + ".txt")) << "hello\n";
+  const std::string all = cause({});
+  EXPECT_NE(all.find("1 of 1 walk files cannot be read"), std::string::npos) << all;
+  EXPECT_NE(all.find(test + ".txt:1"), std::string::npos) << all;
+  EXPECT_NE(cause({.only = {test}}).find(test + ".txt:1"), std::string::npos) << cause({.only = {test}});
+  walk(id_of(Split::kTest, 1), 0, 0, 10);
+  EXPECT_NE(cause({.chain = true, .only = {}}).find("no walk continues another one"), std::string::npos);
+}
+
 TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   const std::string first = id_of(Split::kTest, 0), second = id_of(Split::kSurvey, 0), apart = id_of(Split::kTest, 1);
   walk(first, 0, 0, 10);

@@ -1,6 +1,7 @@
 #include "tests/evaluation/walks/selection.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -12,6 +13,9 @@ namespace {
 
 constexpr double kJoinDistance_m = 1.0;
 constexpr Duration kJoinGap = std::chrono::seconds(15);
+
+constexpr std::size_t kNamed = 3;     // unreadable walks in a fault
+constexpr std::size_t kPrinted = 20;  // lines of a kind
 
 using Chains = std::vector<std::vector<std::size_t>>;  // indices of walks, in order
 
@@ -80,15 +84,37 @@ Chains scored_groups(const std::vector<RecordedWalk>& walks, const SelectionOpti
   return groups;
 }
 
+using Unreadable = std::map<std::string, std::string>;  // ids and why
+
+std::string why_nothing(const SelectionOptions& options, std::size_t readable, const Unreadable& unreadable) {
+  std::string why = "none to score: ";
+  if (readable == 0)
+    why += "no walk can be read";
+  else if (options.chain)
+    why += "no walk continues another one, or no chain holds a walk of the split";
+  else
+    why += "the split or the list selects nothing here";
+  if (unreadable.empty()) return why;
+  why += "; " + std::to_string(unreadable.size()) + " of " + std::to_string(readable + unreadable.size()) + " walk files cannot be read:";
+  std::size_t named = 0;
+  for (const auto& [_, cause] : unreadable) {
+    if (named++ == kNamed) return why + "; and others";
+    why += (named == 1 ? " " : "; ") + cause;
+  }
+  return why;
+}
+
 }  // namespace
 
 Result<Selection> select_walks(const RecordedSite& site, const SelectionOptions& options) {
   Selection selection;
   std::vector<RecordedWalk> walks;
+  Unreadable unreadable;
   for (const WalkFile& file : site.walks) {
     auto walk = read_walk(file.path, file.floor_origin);
     if (!walk) {
       selection.complaints.push_back(to_string(walk.fault()));
+      unreadable[file.id] = selection.complaints.back();
       continue;
     }
     walk->floor = file.floor;
@@ -96,12 +122,14 @@ Result<Selection> select_walks(const RecordedSite& site, const SelectionOptions&
     walks.push_back(std::move(*walk));
   }
   for (const std::string& id : options.only) {
+    if (unreadable.contains(id)) return Fault{FaultCode::kNotFound, "only", id + " cannot be read: " + unreadable[id]};
     if (std::none_of(walks.begin(), walks.end(), [&](const RecordedWalk& walk) { return walk.id == id; })) {
-      return Fault{FaultCode::kNotFound, "only", id + " is not a readable walk of this site"};
+      return Fault{FaultCode::kNotFound, "only", id + " is no walk of this site"};
     }
   }
   const Chains groups = scored_groups(walks, options);
-  if (groups.empty()) return Fault{FaultCode::kNotFound, "walks", "none to score: the split or the list selects nothing here"};
+  if (groups.empty()) selection.nothing = why_nothing(options, walks.size(), unreadable);
+  if (groups.empty() && !options.may_be_empty) return Fault{FaultCode::kNotFound, "walks", selection.nothing};
   std::set<std::size_t> taken;
   for (const auto& group : groups) {
     selection.scored.push_back(join(walks, group));
@@ -136,6 +164,11 @@ Result<std::vector<std::string>> read_ids(const std::string& path) {
   }
   if (ids.empty()) return file->fault("holds no id");
   return ids;
+}
+
+void print_some(const char* label, const std::vector<std::string>& lines) {
+  for (std::size_t i = 0; i < std::min(lines.size(), kPrinted); ++i) std::fprintf(stderr, "%s: %s\n", label, lines[i].c_str());
+  if (lines.size() > kPrinted) std::fprintf(stderr, "%s: and %zu more\n", label, lines.size() - kPrinted);
 }
 
 }  // namespace wayfuse
