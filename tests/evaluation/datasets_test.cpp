@@ -119,6 +119,78 @@ TEST_F(WalkFileTest, RefusesGarbageAndWalksWithoutTruth) {
   EXPECT_NE(blind.fault().cause.find("TYPE_WAYPOINT"), std::string::npos);
 }
 
+// A second of a walk from 1574661000000 on, two way points; rows of its own between them.
+std::string walk_of(const std::string& rows) {
+  std::string text = "1574661000000\tTYPE_WAYPOINT\t0\t0\n" + rows;
+  for (int i = 100; i < 200; ++i) text += "1574661000" + std::to_string(i) + "\tTYPE_ACCELEROMETER\t0\t0\t9.8\t3\n";
+  return text + "1574661001000\tTYPE_WAYPOINT\t1\t0\n";
+}
+
+TEST_F(WalkFileTest, ARowThatTellsNoLastSeenTimeWasHeardWhenItWasListed) {
+  // Without, with an empty one, a full row that ends with a tab, and a network named with tabs.
+  const auto walk = read_walk(write("w.txt", walk_of("1574661000500\tTYPE_WIFI\tshop\ta8:0c:ca:03:9d:01\t-49\t2422\n"
+                                                     "1574661000500\tTYPE_WIFI\tshop\ta8:0c:ca:03:9d:02\t-50\t2422\t\n"
+                                                     "1574661000500\tTYPE_WIFI\tshop\ta8:0c:ca:03:9d:03\t-51\t2422\t1574661000000\t\n"
+                                                     "1574661000500\tTYPE_WIFI\tmy\tshop\ta8:0c:ca:03:9d:04\t-52\t2422\n")), {});
+  ASSERT_TRUE(walk) << to_string(walk.fault());
+  EXPECT_TRUE(walk->complaints.empty()) << walk->complaints.front();
+  ASSERT_EQ(walk->scans.size(), 1u);
+  std::vector<int> ages_ms, levels;
+  for (const ScanReading& reading : walk->scans[0].readings) {
+    ages_ms.push_back(static_cast<int>(reading.age.count() / 1000));
+    levels.push_back(static_cast<int>(reading.rss_dbm));
+  }
+  EXPECT_EQ(ages_ms, (std::vector{0, 0, 500, 0}));
+  EXPECT_EQ(levels, (std::vector{-49, -50, -51, -52}));
+  ASSERT_EQ(walk->notes.size(), 1u);
+  EXPECT_NE(walk->notes[0].find("3 of 4 WIFI rows tell no last-seen time"), std::string::npos) << walk->notes[0];
+}
+
+TEST_F(WalkFileTest, LastSeenTimesOfAnotherClockAreNoAges) {
+  const std::string boot = "1574661000500\tTYPE_WIFI\tshop\ta8:0c:ca:03:9d:01\t-49\t2422\t660000\n";
+  const auto walk = read_walk(write("w.txt", walk_of(boot)), {});
+  ASSERT_TRUE(walk);
+  ASSERT_EQ(walk->scans.at(0).readings.size(), 1u);
+  EXPECT_EQ(walk->scans[0].readings[0].age, Duration(0));
+  EXPECT_NE(walk->notes.at(0).find("another clock"), std::string::npos);
+  const auto mixed = read_walk(write("m.txt", walk_of(boot + "1574661000500\tTYPE_WIFI\tshop\ta8:0c:ca:03:9d:02\t-50\t2422\t1574661000400\n")), {});
+  ASSERT_TRUE(mixed);
+  ASSERT_EQ(mixed->scans.at(0).readings.size(), 1u) << "an old row beside a fresh one is just old";
+  EXPECT_EQ(mixed->scans[0].readings[0].bssid.value, 0xa80cca039d02u);
+}
+
+TEST_F(WalkFileTest, LinesOfAWrongClockAndFarWayPointsAreLeftOutByName) {
+  const std::string file = write("w.txt", walk_of("0\tTYPE_ACCELEROMETER\t0\t0\t9.8\t3\n9999999999999\tTYPE_GYROSCOPE\t0\t0\t9.8\t3\n"
+                                                  "1574661000500\tTYPE_WAYPOINT\t1e9\t0\n"));
+  const auto walk = read_walk(file, {});
+  ASSERT_TRUE(walk) << to_string(walk.fault());
+  EXPECT_EQ(walk->motion.size(), 100u);
+  EXPECT_EQ(walk->way_points.size(), 2u);
+  ASSERT_EQ(walk->complaints.size(), 3u);
+  EXPECT_EQ(walk->complaints[0], file + ":2: its time is an hour or more apart from the rest of the walk");
+  EXPECT_NE(walk->complaints[1].find(":3: its time"), std::string::npos);
+  EXPECT_NE(walk->complaints[2].find(":4: the way point is farther than 10 km"), std::string::npos);
+}
+
+TEST_F(WalkFileTest, AModelThatIsNoNameIsLeftOut) {
+  const auto model = [&](const std::string& name) {
+    const auto walk = read_walk(write("w.txt", "#\tBrand:x\tModel:" + name + "\tAndroidName:8\n" + walk_of("")), {});
+    return walk->device_model + (walk->notes.empty() ? "" : "!");
+  };
+  EXPECT_EQ(model("PBCM10"), "PBCM10");
+  EXPECT_EQ(model("\xE8\x8D\xA3 9"), "\xE8\x8D\xA3 9");
+  EXPECT_EQ(model("a\x01z"), "!");
+  EXPECT_EQ(model("\xE9t\xE9"), "!") << "Latin-1";
+  EXPECT_EQ(model(std::string(257, 'x')), "!");
+}
+
+TEST_F(WalkFileTest, AFolderIsNoFile) {
+  fs::create_directories(folder_ / "w.txt");
+  const auto walk = read_walk((folder_ / "w.txt").string(), {});
+  ASSERT_FALSE(walk);
+  EXPECT_NE(to_string(walk.fault()).find("w.txt: is a folder"), std::string::npos) << to_string(walk.fault());
+}
+
 // A square of 0.001 degrees at the equator (111.3 m), one shop in its lower left quarter, drawn twice.
 std::string square_map(double west_deg) {
   const auto ring = [&](double x0, double y0, double x1, double y1) {

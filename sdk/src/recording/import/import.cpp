@@ -21,6 +21,7 @@ Result<ImportedRecording> read_ilc20(const std::string& path, const ImportSettin
   ImportedRecording recording;
   recording.header = {walk->device_model, "Indoor Location Competition 2.0", "", {}};
   recording.complaints = std::move(walk->complaints);
+  recording.complaints.insert(recording.complaints.end(), walk->notes.begin(), walk->notes.end());
   const FloorOrdinal floor = settings.floor ? *settings.floor : floor_ordinals({walk->floor_label}).front();
   for (const TruePoint& mark : walk->way_points) recording.events.push_back(TruthMark{mark.time, {mark.point, floor}});
   for (const MargSample& sample : walk->motion) recording.events.push_back(sample);

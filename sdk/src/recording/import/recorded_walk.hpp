@@ -40,6 +40,7 @@ struct RecordedWalk {
   std::vector<RssScan> scans;
   std::vector<TruePoint> way_points;    ///< building frame
   std::vector<std::string> complaints;  ///< `file:line: cause` of every line that was left out
+  std::vector<std::string> notes;       ///< `file: what` was taken otherwise than it is written
 
   /// On the straight line between the way points around `time`; absent before the first and after the last.
   std::optional<BuildingPoint> truth_at(PhoneTime time) const;
@@ -51,6 +52,9 @@ struct RecordedWalk {
 ///
 /// Lines of other types (beacons, ranging) are passed over, lines that do not parse are left out and named in
 /// `complaints`; kMalformed if they are more than one in twenty, or if the file holds no way point where some are needed.
+/// So are lines of a wrong clock, an hour and more apart from the walk's other lines, and way points farther than 10 km from
+/// the frame's origin. WIFI rows without a last-seen time were heard when they were listed; so were all rows of a walk none
+/// of which was last seen within 600 s of its own time: `notes` say so. A device model that is no name is left empty.
 Result<RecordedWalk> read_walk(const std::string& path, BuildingPoint floor_origin, bool needs_way_points = true);
 
 }  // namespace wayfuse

@@ -1,6 +1,7 @@
 #include "sdk/src/recording/import/text_line.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -17,12 +18,14 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 Result<TextFile> TextFile::read(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return Fault{FaultCode::kNotFound, path, "is a folder, a file is expected"};
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) return Fault{FaultCode::kNotFound, path, "cannot be opened"};
   TextFile file;
   file.path_ = path;
   const std::streamoff size = in.tellg();
-  if (size < 0) return Fault{FaultCode::kNotFound, path, "cannot be read: is it a folder?"};
+  if (size < 0) return Fault{FaultCode::kNotFound, path, "cannot be read"};
   file.content_.resize(static_cast<std::size_t>(size));
   in.seekg(0);
   if (!in.read(file.content_.data(), size)) return Fault{FaultCode::kNotFound, path, "cannot be read"};
