@@ -238,8 +238,92 @@ TEST_F(SiteFolder, FaultsNameFolderFloorAndFile) {
   const auto floor = read_site(folder_.string(), {"F9"});
   ASSERT_FALSE(floor);
   EXPECT_NE(floor.fault().cause.find("there are: F1"), std::string::npos);
-  const std::string map = write("F1/geojson_map.json", "{");
-  EXPECT_EQ(read_site(folder_.string(), {}).fault().field, map);
+}
+
+constexpr const char* kSquareInfo = R"({"map_info":{"height":111.3,"width":111.3}})";
+
+TEST_F(SiteFolder, AMapThatCannotBeUsedCostsTheOutlineOnlyAndIsNamed) {
+  write("F1/path_data_files/w.txt", "1\tTYPE_WAYPOINT\t10\t20\n");
+  const auto note = [&](const std::string& map) {
+    const std::string file = write("F1/geojson_map.json", map);
+    const auto site = read_site(folder_.string(), {});
+    if (!site) return to_string(site.fault());
+    EXPECT_TRUE(site->floors.at(0).outline.rings.empty()) << map;
+    EXPECT_TRUE(site->complaints.at(0).starts_with(file)) << site->complaints[0];
+    EXPECT_NE(site->complaints[0].find("its frame is unknown"), std::string::npos);
+    return site->complaints[0];
+  };
+  const auto first = [](const std::string& geometry) { return R"({"features":[{"geometry":)" + geometry + "}]}"; };
+  EXPECT_NE(note("{").find("is not JSON"), std::string::npos);
+  EXPECT_NE(note(R"({"features":[]})").find("no polygon"), std::string::npos);
+  EXPECT_NE(note(R"({"features":[null]})").find("features[0]: has no geometry"), std::string::npos);
+  EXPECT_NE(note(first("null")).find("features[0]: has no geometry"), std::string::npos);
+  EXPECT_NE(note(first(R"({"type":null,"coordinates":[]})")).find("has no geometry"), std::string::npos);
+  EXPECT_NE(note(first(R"({"type":"Polygon","coordinates":[[[null,1],[2,3],[3,4]]]})")).find("no pair of numbers"), std::string::npos);
+  EXPECT_NE(note(first(R"({"type":"Polygon","coordinates":[[[30,120],[31,120],[31,121]]]})")).find("no longitude and latitude"), std::string::npos);
+  // Two shops side by side: neither is an outline.
+  EXPECT_NE(note(R"({"features":[null,{"geometry":{"type":"Polygon","coordinates":[[[0,0],[0.001,0],[0,0.001]]]}},)"
+                 R"({"geometry":{"type":"Polygon","coordinates":[[[1,0],[1.001,0],[1,0.0005]]]}}]})").find("has no geometry"), std::string::npos);
+}
+
+TEST_F(SiteFolder, TheOutlineIsFoundHoweverItIsDrawn) {
+  write("F1/path_data_files/w.txt", "1\tTYPE_WAYPOINT\t10\t20\n");
+  write("F1/floor_info.json", kSquareInfo);
+  const std::string ring = "[[0,0],[0.001,0],[0.001,0.001],[0,0.001],[0,0]]";
+  const std::string outline = R"({"type":"Polygon","coordinates":[)" + ring + "]}";
+  const std::string shop = R"({"geometry":{"type":"Polygon","coordinates":[[[0,0],[0.0005,0],[0.0005,0.0005],[0,0.0005]]]}})";
+  const auto feature = [](const std::string& geometry) { return R"({"geometry":)" + geometry + "}"; };
+  const auto collection = [](const std::string& features) { return R"({"features":[)" + features + "]}"; };
+  const std::string maps[] = {collection(feature(outline) + "," + shop), collection(shop + "," + feature(outline)),
+                              collection(feature(R"({"type":"LineString","coordinates":)" + ring + "}") + "," + shop),
+                              collection(feature(R"({"type":"GeometryCollection","geometries":[)" + outline + "]}") + "," + shop),
+                              collection(feature(R"({"type":"Point","coordinates":[0,0]})") + "," + feature(outline) + "," + shop),
+                              collection(feature(outline) + R"(,null,{"geometry":{"type":null}},)" + shop)};
+  for (const std::string& map : maps) {
+    write("F1/geojson_map.json", map);
+    const auto site = read_site(folder_.string(), {});
+    ASSERT_TRUE(site) << to_string(site.fault());
+    const Floor& floor = site->floors[0];
+    EXPECT_TRUE(contains(floor.outline, {100, 100})) << map;
+    ASSERT_EQ(floor.walkable.size(), 1u) << map;
+    EXPECT_FALSE(contains(floor.walkable[0], {20, 20})) << map;
+    EXPECT_TRUE(contains(floor.walkable[0], {80, 20})) << map;
+  }
+  for (const std::string& alone : {outline, feature(outline)}) {
+    write("F1/geojson_map.json", alone);
+    EXPECT_TRUE(contains(read_site(folder_.string(), {})->floors[0].outline, {100, 100})) << alone;
+  }
+}
+
+TEST_F(SiteFolder, TheScaleIsTheWidthsUnlessItCannotBe) {
+  write("F1/geojson_map.json", square_map(0.0));  // 111.3 m by its latitude
+  write("F1/path_data_files/w.txt", "1\tTYPE_WAYPOINT\t10\t20\n2\tTYPE_WAYPOINT\t140\t140\n");  // outside of that
+  const auto width = [&](const std::string& info) {
+    write("F1/floor_info.json", info);
+    const auto site = read_site(folder_.string(), {});
+    return site ? site->floors.at(0).outline.rings.at(0).at(1).x_m : 0.0;
+  };
+  const auto info = [](const char* width, const char* height) {
+    return std::string(R"({"map_info":{"height":)") + height + R"(,"width":)" + width + "}}";
+  };
+  EXPECT_NEAR(width(info("110", "110")), 110, 0.01);
+  EXPECT_NEAR(width(info("\"110.0\"", "\"110.0\"")), 110, 0.01) << "as text";
+  EXPECT_NEAR(width(R"({"height":110,"width":110})"), 110, 0.01) << "without map_info";
+  EXPECT_NEAR(width(info("150", "150")), 150, 0.01) << "the way points say so";
+  EXPECT_NEAR(width(info("150", "80")), 111.3, 0.1) << "other proportions than the outline's";
+  EXPECT_NEAR(width(info("15000", "15000")), 111.3, 0.1) << "centimetres: the walk would be lost in it";
+  EXPECT_NEAR(width(info("60", "60")), 111.3, 0.1) << "way points outside";
+  EXPECT_NEAR(width(info("null", "0")), 111.3, 0.1);
+  EXPECT_NEAR(width("[]"), 111.3, 0.1);
+  EXPECT_NEAR(width(""), 111.3, 0.1);
+}
+
+TEST_F(SiteFolder, AWalkOnTwoFloorsIsReadOnceAndHiddenFilesNever) {
+  for (const char* file : {"F1/path_data_files/w.txt", "F2/path_data_files/w.txt", "F2/path_data_files/._w.txt"}) write(file, "1\tTYPE_WAYPOINT\t10\t20\n");
+  const auto site = read_site(folder_.string(), {});
+  ASSERT_TRUE(site);
+  ASSERT_EQ(site->walks.size(), 1u);
+  EXPECT_NE(site->complaints.back().find("F2/path_data_files/w.txt: left out"), std::string::npos) << site->complaints.back();
 }
 
 TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "sdk/src/recording/import/text_line.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -18,39 +20,92 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 using MercatorRing = std::vector<MercatorPoint>;
 
-Result<json> read_json(const fs::path& file) {
+constexpr double kMercatorEnd_deg = 85.06;
+constexpr int kDeepest = 8;            // geometries within geometries
+constexpr double kSurrounded = 0.75;   // of the other shapes, by an outline that is not the first feature
+constexpr double kOdd = 0.05, kContradiction = 0.2;  // between scales
+constexpr double kInside = 0.95, kMargin_m = 5.0;    // way points
+constexpr double kLost = 0.1;          // of the outline's longer side
+
+constexpr const char* kNoOutline =
+    "; this floor has no outline, and its frame is unknown: it is laid on another floor's corner, so that errors of positions on "
+    "the wrong floor say nothing";
+
+std::optional<json> read_json(const fs::path& file) {
   std::ifstream in(file);
   json content = json::parse(in, nullptr, false);
-  if (content.is_discarded()) return Fault{FaultCode::kMalformed, file.string(), "is not JSON"};
+  if (content.is_discarded()) return std::nullopt;
   return content;
 }
 
-Fault broken(const fs::path& file, std::size_t feature, const std::string& cause) {
-  return {FaultCode::kMalformed, file.string(), "features[" + std::to_string(feature) + "]: " + cause};
+const json& member(const json& object, const char* name) {
+  static const json kNothing;
+  if (!object.is_object()) return kNothing;
+  const auto found = object.find(name);
+  return found == object.end() ? kNothing : *found;
 }
 
-// All rings of a Polygon or MultiPolygon, without the repeated last point; false if the geometry is neither.
-bool rings_of(const json& geometry, std::vector<MercatorRing>& rings) {
-  if (!geometry.is_object()) return false;
-  const std::string type = geometry.value("type", "");
-  const auto coordinates = geometry.find("coordinates");
-  if (coordinates == geometry.end() || !coordinates->is_array()) return false;
-  if (type != "Polygon" && type != "MultiPolygon") return false;
-  const json parts = type == "Polygon" ? json::array({*coordinates}) : *coordinates;
-  for (const json& part : parts) {
-    if (!part.is_array()) return false;
-    for (const json& ring : part) {
-      MercatorRing points;
-      if (!ring.is_array()) return false;
-      for (const json& point : ring) {
-        if (!point.is_array() || point.size() < 2 || !point[0].is_number() || !point[1].is_number()) return false;
-        points.push_back(to_mercator({point[1].get<double>(), point[0].get<double>()}));
-      }
-      if (points.size() > 1 && points.front().x == points.back().x && points.front().y == points.back().y) points.pop_back();
-      if (points.size() >= 3) rings.push_back(std::move(points));
-    }
+/// What a feature draws.
+struct Shape {
+  std::vector<MercatorRing> rings;  // of its polygons, without the repeated last point
+  std::vector<MercatorRing> lines;  // closed ones: an outline may be drawn so
+  std::string wrong;                // why it cannot be used; points and open lines are signs and doors, and fine
+};
+
+void add_ring(const json& ring, std::vector<MercatorRing>& rings, Shape& shape) {
+  MercatorRing points;
+  if (!ring.is_array()) return void(shape.wrong = "a ring is no list");
+  for (const json& point : ring) {
+    if (!point.is_array() || point.size() < 2 || !point[0].is_number() || !point[1].is_number())
+      return void(shape.wrong = "a point is no pair of numbers");
+    const GeoPoint geo{point[1].get<double>(), point[0].get<double>()};
+    if (std::abs(geo.latitude_deg) > kMercatorEnd_deg || std::abs(geo.longitude_deg) > 180.0)
+      return void(shape.wrong = "a point is no longitude and latitude in degrees");
+    points.push_back(to_mercator(geo));
   }
-  return true;
+  const bool closed = points.size() > 1 && points.front().x == points.back().x && points.front().y == points.back().y;
+  if (&rings == &shape.lines && !closed) return;
+  if (closed) points.pop_back();
+  if (points.size() >= 3) rings.push_back(std::move(points));
+}
+
+void add_polygon(const json& polygon, Shape& shape) {
+  if (!polygon.is_array()) return void(shape.wrong = "a polygon is no list");
+  for (const json& ring : polygon) add_ring(ring, shape.rings, shape);
+}
+
+void add_geometry(const json& geometry, int depth, Shape& shape) {
+  const json& type = member(geometry, "type");
+  if (!type.is_string()) return void(shape.wrong = "has no geometry");
+  const json& coordinates = member(geometry, "coordinates");
+  if (type == "Polygon") add_polygon(coordinates, shape);
+  if (type == "LineString") add_ring(coordinates, shape.lines, shape);
+  if (type == "MultiPolygon") {
+    if (!coordinates.is_array()) return void(shape.wrong = "coordinates are no list");
+    for (const json& polygon : coordinates) add_polygon(polygon, shape);
+  }
+  if (type == "GeometryCollection" && depth < kDeepest) {
+    for (const json& part : member(geometry, "geometries")) add_geometry(part, depth + 1, shape);
+  }
+}
+
+// Of a feature collection, a feature alone or a geometry alone.
+std::vector<Shape> shapes_of(const json& content) {
+  std::vector<Shape> shapes;
+  const json& features = member(content, "features");
+  const auto add = [&](const json& geometry) {
+    Shape& shape = shapes.emplace_back();
+    add_geometry(geometry, 0, shape);
+    if (!shape.wrong.empty()) shape.rings.clear(), shape.lines.clear();
+  };
+  if (features.is_array()) {
+    for (const json& feature : features) add(member(feature, "geometry"));
+  } else if (member(content, "geometry").is_object()) {
+    add(member(content, "geometry"));
+  } else {
+    add(content);
+  }
+  return shapes;
 }
 
 struct Box {
@@ -84,23 +139,76 @@ std::vector<Ring> outermost(std::vector<Ring> rings) {
   return kept;
 }
 
-Result<double> metres_per_unit(const fs::path& file, const Box& box, std::vector<std::string>& complaints) {
+double area(const Box& box) { return box.high.x < box.low.x ? 0.0 : (box.high.x - box.low.x) * (box.high.y - box.low.y); }
+
+bool within(const Box& box, MercatorPoint p) {
+  return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y;
+}
+
+// Absent = nothing here is a floor's outline.
+std::optional<std::size_t> outline_among(const std::vector<Shape>& shapes) {
+  std::vector<Box> boxes;
+  for (const Shape& shape : shapes) boxes.push_back(box_of(shape.rings.empty() ? shape.lines : shape.rings));
+  const auto largest = static_cast<std::size_t>(std::ranges::max_element(boxes, {}, area) - boxes.begin());
+  if (boxes.empty() || area(boxes[largest]) <= 0.0) return std::nullopt;
+  if (largest == 0) return 0;
+  std::size_t others = 0, surrounded = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (i == largest || area(boxes[i]) <= 0.0) continue;
+    ++others;
+    surrounded += within(boxes[largest], {0.5 * (boxes[i].low.x + boxes[i].high.x), 0.5 * (boxes[i].low.y + boxes[i].high.y)});
+  }
+  if (static_cast<double>(surrounded) >= kSurrounded * static_cast<double>(others)) return largest;
+  if (area(boxes[0]) > 0.0 && !shapes[0].rings.empty()) return 0;
+  return std::nullopt;
+}
+
+// A length as a number or as text; 0 = none.
+double length_in(const json& info, const char* name) {
+  const json& value = member(info, name);
+  double length = 0.0;
+  if (value.is_number()) length = value.get<double>();
+  if (value.is_string()) length = number(value.get_ref<const std::string&>()).value_or(0.0);
+  return std::isfinite(length) && length > 0.0 ? length : 0.0;
+}
+
+// Way points lie in the outline's box at this scale, and fill some of it.
+bool hold(const std::vector<BuildingPoint>& points, double width_m, double height_m) {
+  if (points.empty()) return false;
+  std::size_t inside = 0;
+  BuildingPoint low = points.front(), high = low;
+  for (const BuildingPoint p : points) {
+    inside += p.x_m >= -kMargin_m && p.x_m <= width_m + kMargin_m && p.y_m >= -kMargin_m && p.y_m <= height_m + kMargin_m;
+    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
+    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
+  }
+  return static_cast<double>(inside) >= kInside * static_cast<double>(points.size()) &&
+         std::max(high.x_m - low.x_m, high.y_m - low.y_m) >= kLost * std::max(width_m, height_m);
+}
+
+double metres_per_unit(const fs::path& file, const Box& box, std::vector<std::string>& complaints,
+                       const std::function<std::vector<BuildingPoint>()>& way_points) {
   const double middle_deg = to_geo({box.low.x, 0.5 * (box.low.y + box.high.y)}).latitude_deg;
   const double by_latitude = std::cos(middle_deg * kDegree);
-  if (!fs::exists(file)) {
-    complaints.push_back(file.string() + ": missing; the scale comes from the latitude");
+  const auto complain = [&](const std::string& what) { complaints.push_back(file.string() + ": " + what); };
+  const auto from_latitude = [&](const std::string& what) {
+    complain(what + "; the scale comes from the latitude");
     return by_latitude;
-  }
+  };
+  if (!fs::exists(file)) return from_latitude("missing");
   const auto info = read_json(file);
-  if (!info) return info.fault();
-  const auto map_info = info->is_object() ? info->value("map_info", json()) : json();
-  const auto width = map_info.is_object() ? map_info.value("width", json()) : json();
-  if (!width.is_number() || width.get<double>() <= 0.0) {
-    return Fault{FaultCode::kMalformed, file.string(), "map_info.width: a length in metres expected"};
-  }
-  const double scale = width.get<double>() / (box.high.x - box.low.x);
-  if (std::abs(scale / by_latitude - 1.0) > 0.05) {
-    complaints.push_back(file.string() + ": map_info.width does not fit the outline's latitude");
+  if (!info) return from_latitude("is not JSON");
+  const json& map_info = member(*info, "map_info").is_object() ? member(*info, "map_info") : *info;
+  const double width_m = length_in(map_info, "width"), height_m = length_in(map_info, "height");
+  if (width_m == 0.0) return from_latitude("map_info.width: a length in metres expected");
+  const double width = box.high.x - box.low.x, height = box.high.y - box.low.y, scale = width_m / width;
+  const double off = std::abs(scale / by_latitude - 1.0);
+  if (off > kContradiction) {
+    const bool proportioned = height_m > 0.0 && std::abs(height_m / (height * scale) - 1.0) <= kOdd;
+    if (!proportioned || !hold(way_points(), width_m, height_m)) return from_latitude("map_info.width contradicts the outline's latitude");
+    complain("map_info.width contradicts the outline's latitude; it is taken, as the way points lie inside");
+  } else if (off > kOdd) {
+    complain("map_info.width does not fit the outline's latitude");
   }
   return scale;
 }
@@ -124,41 +232,44 @@ BuildingPoint FloorMap::corner_seen_from(const FloorMap& other) const {
   return {(corner->x - other.corner->x) * other.metres_per_unit, (corner->y - other.corner->y) * other.metres_per_unit};
 }
 
-Result<FloorMap> read_floor_map(const std::string& folder, std::vector<std::string>& complaints) {
-  FloorMap map;
+FloorMap read_floor_map(const std::string& folder, std::vector<std::string>& complaints,
+                        const std::function<std::vector<BuildingPoint>()>& way_points) {
   const fs::path file = fs::path(folder) / "geojson_map.json";
-  if (!fs::exists(file)) {
-    complaints.push_back(file.string() + ": missing; this floor has no outline");
-    return map;
-  }
+  const auto complain = [&](const std::string& what) { complaints.push_back(file.string() + ": " + what); };
+  const auto without_outline = [&](const std::string& what) {
+    complain(what + kNoOutline);
+    return FloorMap{};
+  };
+  if (!fs::exists(file)) return without_outline("missing");
   const auto content = read_json(file);
-  if (!content) return content.fault();
-  const json features = content->is_object() ? content->value("features", json()) : json();
-  if (!features.is_array() || features.empty())
-    return Fault{FaultCode::kMalformed, file.string(), "features: at least one expected"};
-
-  std::vector<MercatorRing> outline;
-  if (!rings_of(features[0].value("geometry", json()), outline) || outline.empty()) {
-    return broken(file, 0, "the floor's outline as Polygon or MultiPolygon expected");
+  if (!content) return without_outline("is not JSON");
+  const std::vector<Shape> shapes = shapes_of(*content);
+  const auto chosen = outline_among(shapes);
+  if (!chosen) {
+    return without_outline(shapes.empty() || shapes[0].wrong.empty() ? "no polygon surrounds the others"
+                                                                     : "features[0]: " + shapes[0].wrong);
   }
+  if (*chosen > 0) complain("the outline is features[" + std::to_string(*chosen) + "], the largest one, and not the first");
+  const Shape& drawn = shapes[*chosen];
+  const std::vector<MercatorRing>& outline = drawn.rings.empty() ? drawn.lines : drawn.rings;
   const Box box = box_of(outline);
-  const auto scale = metres_per_unit(fs::path(folder) / "floor_info.json", box, complaints);
-  if (!scale) return scale.fault();
+  FloorMap map;
   map.corner = box.low;
-  map.metres_per_unit = *scale;
+  map.metres_per_unit = metres_per_unit(fs::path(folder) / "floor_info.json", box, complaints, way_points);
   const auto to_floor = [&](const MercatorRing& ring) {
     Ring points;
-    for (const MercatorPoint p : ring) points.push_back({(p.x - box.low.x) * *scale, (p.y - box.low.y) * *scale});
+    for (const MercatorPoint p : ring) points.push_back({(p.x - box.low.x) * map.metres_per_unit, (p.y - box.low.y) * map.metres_per_unit});
     return points;
   };
   for (const MercatorRing& ring : outline) map.outline.rings.push_back(to_floor(ring));
   std::vector<Ring> shops;
-  for (std::size_t i = 1; i < features.size(); ++i) {
-    std::vector<MercatorRing> rings;
-    // Points and lines among the features are signs and doors, not rooms.
-    if (!features[i].is_object() || !rings_of(features[i].value("geometry", json()), rings)) continue;
-    for (const MercatorRing& ring : rings) shops.push_back(to_floor(ring));
+  std::size_t broken = 0;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (!shapes[i].wrong.empty() && broken++ == 0) complain("features[" + std::to_string(i) + "]: " + shapes[i].wrong + "; left out");
+    if (i == *chosen) continue;
+    for (const MercatorRing& ring : shapes[i].rings) shops.push_back(to_floor(ring));
   }
+  if (broken > 1) complain(std::to_string(broken) + " features in all are left out");
   map.walkable = map.outline;
   for (Ring& shop : outermost(std::move(shops))) map.walkable.rings.push_back(std::move(shop));
   return map;

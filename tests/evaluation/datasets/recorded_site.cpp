@@ -30,6 +30,36 @@ std::vector<fs::path> floor_folders(const fs::path& folder) {
   return found;
 }
 
+// What may be a walk: not what systems and editors leave beside it.
+bool is_walk_file(const fs::path& file) { return file.extension() == ".txt" && !file.filename().string().starts_with('.'); }
+
+// Of some walks of a floor, in its own frame.
+std::vector<BuildingPoint> some_way_points(const fs::path& floor) {
+  constexpr std::size_t kWalks = 20;
+  std::vector<BuildingPoint> points;
+  std::size_t read = 0;
+  for (const fs::path& file : sorted_entries(floor / kWalkFolder)) {
+    if (!is_walk_file(file) || read == kWalks) continue;
+    const auto walk = read_walk(file.string(), {});
+    if (!walk) continue;
+    ++read;
+    for (const TruePoint& point : walk->way_points) points.push_back(point.point);
+  }
+  return points;
+}
+
+// A walk copied to a second floor was on one of them only, and would survey and be scored under one name.
+void drop_doubled(RecordedSite& site) {
+  std::vector<WalkFile> kept;
+  for (WalkFile& file : site.walks) {
+    if (!kept.empty() && kept.back().id == file.id)
+      site.complaints.push_back(file.path + ": left out, another file has its name: " + kept.back().path);
+    else
+      kept.push_back(std::move(file));
+  }
+  site.walks = std::move(kept);
+}
+
 // The site itself, or the only site inside the folder given.
 fs::path site_folder(const fs::path& folder) {
   if (!floor_folders(folder).empty()) return folder;
@@ -69,9 +99,7 @@ Result<RecordedSite> read_site(const std::string& folder, const std::vector<std:
 
   std::vector<FloorMap> maps;
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    auto map = read_floor_map(folders[i].string(), site.complaints);
-    if (!map) return map.fault();
-    maps.push_back(std::move(*map));
+    maps.push_back(read_floor_map(folders[i].string(), site.complaints, [&] { return some_way_points(folders[i]); }));
   }
   std::optional<std::size_t> nearest;  // to the ground, with a map: gives the frame
   for (std::size_t i = 0; i < maps.size(); ++i) {
@@ -88,11 +116,12 @@ Result<RecordedSite> read_site(const std::string& folder, const std::vector<std:
     move_by(floor, origin);
     site.floors.push_back(std::move(floor));
     for (const fs::path& file : sorted_entries(folders[i] / kWalkFolder)) {
-      if (file.extension() == ".txt") site.walks.push_back({file.stem().string(), file.string(), ordinals[i], origin});
+      if (is_walk_file(file)) site.walks.push_back({file.stem().string(), file.string(), ordinals[i], origin});
     }
   }
   std::sort(site.floors.begin(), site.floors.end(), [](const Floor& a, const Floor& b) { return a.ordinal < b.ordinal; });
-  std::sort(site.walks.begin(), site.walks.end(), [](const WalkFile& a, const WalkFile& b) { return a.id < b.id; });
+  std::stable_sort(site.walks.begin(), site.walks.end(), [](const WalkFile& a, const WalkFile& b) { return a.id < b.id; });
+  drop_doubled(site);
   return site;
 }
 

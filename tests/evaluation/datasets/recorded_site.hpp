@@ -20,7 +20,8 @@ struct WalkFile {
 };
 
 /// A building in the layout of "Indoor Location Competition 2.0": `<floor>/path_data_files/*.txt`, and beside them, where
-/// known, `geojson_map.json` (first feature the floor's outline, the others shops and rooms) and `floor_info.json`.
+/// known, `geojson_map.json` (first feature the floor's outline, the others shops and rooms) and `floor_info.json`. A map that cannot
+/// be used is a complaint, as is a walk whose name another floor has, too.
 ///
 /// Every floor of that layout has its own frame: metres from the lower left corner of its outline. Here all floors share
 /// one, that of the floor nearest to the ground: the others are shifted by where their outlines lie on the earth.
