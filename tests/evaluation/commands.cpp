@@ -1,6 +1,10 @@
 #include "tests/evaluation/commands.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
 
 namespace wayfuse {
 
@@ -12,6 +16,22 @@ std::vector<AddCommand> evaluation_commands() {
 void add_site_options(CLI::App& command, std::string& data, std::vector<std::string>& floors) {
   command.add_option("--data", data, "Folder of one site: <floor>/path_data_files/*.txt")->required();
   command.add_option("--floors", floors, "Only these floors, by label (comma separated)")->delimiter(',');
+}
+
+Result<void> check_targets(const std::string& json, const std::string& report) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!json.empty()) {
+    const bool there = fs::exists(json, ignored);
+    if (!std::ofstream(json, std::ios::app)) return Fault{FaultCode::kNotFound, json, "cannot be written"};
+    if (!there) fs::remove(json, ignored);
+  }
+  if (!report.empty()) {
+    fs::create_directories(report, ignored);
+    if (!fs::is_directory(report, ignored) || ::access(report.c_str(), W_OK | X_OK) != 0)
+      return Fault{FaultCode::kNotFound, report, "is no folder that can be written to"};
+  }
+  return {};
 }
 
 CLI::Option* add_split_option(CLI::App& command, std::string& split) {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "wayfuse/proto/result.hpp"
+
 namespace CLI {
 class App;
 class Option;
@@ -32,5 +34,8 @@ std::vector<AddCommand> evaluation_commands();
 /// What commands over a site of recorded walks are told alike.
 void add_site_options(CLI::App& command, std::string& data, std::vector<std::string>& floors);
 CLI::Option* add_split_option(CLI::App& command, std::string& split);
+
+/// That what a run is to write can be written, before it takes its time; makes the report's folder. Empty = not asked for.
+Result<void> check_targets(const std::string& json, const std::string& report);
 
 }  // namespace wayfuse

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -93,6 +94,11 @@ Result<Selection> select(const WalksOptions& options, const RecordedSite& site, 
   auto selection = select_walks(site, selecting);
   if (!selection) return selection;
   print_some("left out", selection->complaints);
+  print_some("note", selection->notes);
+  std::size_t scored = 0;  // walks, whatever they are chained to
+  for (const ScoredWalk& walk : selection->scored) scored += walk.parts.size();
+  std::fprintf(stderr, "of %zu walks %zu are scored, %zu survey; the others do neither, as test walks never survey\n", site.walks.size(), scored,
+               selection->survey.size());
   if (options.rss_offset_db != 0.0) shift_levels(selection->scored, options.rss_offset_db);
   return selection;
 }
@@ -209,14 +215,29 @@ WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, c
   return outcome;
 }
 
+// What can leave every question unanswered.
+std::string lack_of(const Measured& measured) {
+  if (measured.survey_walks == 0) return "no walk surveys: all of them are scored, or test walks";
+  if (measured.survey_points == 0) return "no reading of the survey walks can be used";
+  const bool heard = std::ranges::any_of(measured.walks, [](const ScoredWalk& scored) {
+    return std::ranges::any_of(scored.walk.scans, [](const RssScan& scan) { return !scan.readings.empty(); });
+  });
+  return heard ? "" : "no reading of the scored walks can be used";
+}
+
 int publish(const WalksOptions& options, const WalksOutcome& outcome, const Measured& measured, const RecordedSite& site, const SurveyCover* cover) {
   if (options.direct) std::printf("DIRECT: straight into the pipelines, without client, codec and session\n");
   std::printf("%s", walks_table(outcome).c_str());
+  const std::string lack = lack_of(measured);
+  if (!lack.empty()) std::fprintf(stderr, "warning: %s\n", lack.c_str());
+  if (!options.json.empty()) {
+    std::ofstream out(options.json, std::ios::binary);
+    out << walks_json(outcome);
+    if (!out.flush()) return complain({FaultCode::kNotFound, options.json, "cannot be written"});
+  }
   if (!options.report.empty()) write_walks_report(options.report, outcome, measured.data(), measured.runs, site, cover);
-  if (options.json.empty()) return 0;
-  std::ofstream out(options.json, std::ios::binary);
-  out << walks_json(outcome);
-  return out.flush() ? 0 : complain({FaultCode::kNotFound, options.json, "cannot be written"});
+  const bool answered = std::ranges::any_of(outcome.rows, [](const ScoreRow& row) { return row.error.n > 0; });
+  return answered ? 0 : complain({FaultCode::kNotFound, "walks", "no pipeline answered anything" + (lack.empty() ? "" : ": " + lack)});
 }
 
 // Every survey walk is scored once, over a map of the walks outside its fold, and if asked for every test walk, over a map of all survey
@@ -254,6 +275,10 @@ int measure_folds(const WalksOptions& options, const RecordedSite& site) {
 }
 
 int measure_walks(const WalksOptions& options) {
+  if (const auto writable = check_targets(options.json, options.report); !writable) return complain(writable.fault());
+  if (!std::isfinite(options.rss_offset_db)) return complain({FaultCode::kOutOfRange, "--rss-offset", "is no number of decibels"});
+  if (std::ranges::any_of(options.scan_every_s, [](double every_s) { return std::isnan(every_s); }))
+    return complain({FaultCode::kOutOfRange, "--scan-every", "is no number of seconds"});
   const auto known = check_pipelines(options.pipelines, options.direct ? AskedOf::kPipelines : AskedOf::kSessions);
   if (!known) return complain(known.fault());
   const auto site = read_site(options.data, options.floors);
@@ -287,7 +312,7 @@ void add_walks_command(CLI::App& app, std::function<int()>& chosen) {
       ->delimiter(',')
       ->capture_default_str();
   CLI::Option* only =
-      command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey");
+      command->add_option("--only", options->only, "Score these walks only: a file of ids, one a line; they never survey, nor do test walks that are not listed");
   CLI::Option* split = add_split_option(*command, options->split);
   CLI::Option* folds = command
       ->add_option("--folds", options->folds,

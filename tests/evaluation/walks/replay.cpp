@@ -36,6 +36,12 @@ PhoneTime begin_of(const RecordedWalk& walk) {
   return begin;
 }
 
+bool WalkReply::leaves_out(const Fault& fault) {
+  if (fault.code != FaultCode::kOutOfRange) return false;
+  if (refused++ == 0) refusal = fault;
+  return true;
+}
+
 Result<void> DirectReplay::prepare(const std::string& pipeline) {
   const auto factory = assemble_named(pipeline, site_);
   if (!factory) return factory.fault();

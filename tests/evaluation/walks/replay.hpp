@@ -16,6 +16,11 @@ namespace wayfuse {
 struct WalkReply {
   Answers at;                         ///< one entry an instant: the newest position that was there by then
   std::optional<double> first_fix_s;  ///< after the first thing the phone sensed
+  std::size_t refused = 0;            ///< samples the protocol does not take; as an application's, they are left out
+  std::optional<Fault> refusal;       ///< the first one's
+
+  /// Counts it, if it is about a sample's values; false: the fault is another one.
+  bool leaves_out(const Fault& fault);
 };
 
 /// The way a walk's data take from the phone's sensors to positions. Thread: any; run() may be called at once from several.

@@ -1,7 +1,9 @@
 #include "tests/evaluation/walks/replay_all.hpp"
 
 #include <atomic>
+#include <cstdio>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "tests/evaluation/datasets/split.hpp"
@@ -22,6 +24,7 @@ Result<std::vector<PipelineRun>> replay_all(const ReplayOptions& options, const 
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
   std::optional<Fault> fault;
+  std::set<std::string> left_out;
   const auto work = [&] {
     for (std::size_t job = next++; job < jobs; job = next++) {
       PipelineRun& run = runs[job % runs.size()];
@@ -34,6 +37,10 @@ Result<std::vector<PipelineRun>> replay_all(const ReplayOptions& options, const 
         next = jobs;
         return;
       }
+      if (reply->refused > 0) {
+        const std::lock_guard lock(mutex);
+        left_out.insert(data.walks[w].walk.id + ": " + std::to_string(reply->refused) + " samples, the first: " + to_string(*reply->refusal));
+      }
       run.walks[w] = std::move(reply->at);
       run.first_fix_s[w] = reply->first_fix_s;
       progress.advance();
@@ -43,6 +50,7 @@ Result<std::vector<PipelineRun>> replay_all(const ReplayOptions& options, const 
   for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(work);
   work();
   threads.clear();
+  for (const std::string& samples : left_out) std::fprintf(stderr, "left out: %s\n", samples.c_str());
   if (fault) return *fault;
   return runs;
 }

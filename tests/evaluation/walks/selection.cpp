@@ -118,6 +118,8 @@ Result<Selection> select_walks(const RecordedSite& site, const SelectionOptions&
       continue;
     }
     walk->floor = file.floor;
+    if (const Floor* floor = site.floor(file.floor)) walk->floor_label = floor->label;  // of the folder: a file may say another
+    selection.notes.insert(selection.notes.end(), walk->notes.begin(), walk->notes.end());
     selection.complaints.insert(selection.complaints.end(), walk->complaints.begin(), walk->complaints.end());
     walks.push_back(std::move(*walk));
   }

@@ -26,6 +26,7 @@ struct Selection {
   std::vector<ScoredWalk> scored;  ///< ascending by id
   std::vector<RecordedWalk> survey;
   std::vector<std::string> complaints;  ///< what is left out: walks, and lines of walks
+  std::vector<std::string> notes;       ///< what of them is taken otherwise than it is written
   std::string nothing;                  ///< why nothing is scored; empty = something is
 };
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include <cstdio>
 #include <stdexcept>
 
 #include "tests/evaluation/datasets/split.hpp"
@@ -74,7 +75,10 @@ Result<void> upload_survey(Client& client, const std::vector<RecordedWalk>& surv
   };
   for (const RecordedWalk& walk : survey) {
     auto batches = batches_of(walk);
-    if (!batches) return Fault{batches.fault().code, walk.id + ": " + batches.fault().field, batches.fault().cause};
+    if (!batches) {
+      std::fprintf(stderr, "left out of the survey: %s: %s\n", walk.id.c_str(), to_string(batches.fault()).c_str());
+      continue;
+    }
     if (spoil) spoil(*batches);
     for (SurveyBatch& batch : *batches) {
       if (const auto queued = client.upload(std::move(batch)); !queued) return queued;

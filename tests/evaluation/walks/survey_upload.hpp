@@ -32,7 +32,7 @@ Result<std::vector<SurveyBatch>> batches_of(const RecordedWalk& walk);
 ClientSettings phone_settings(Role role, BuildingId building, std::string device_model);
 
 /// Uploads all walks through a client; `work` lets the client's world go on for a moment. Ends when everything is acknowledged.
-/// `refused` is the client's own fault event. `spoil`, if any, changes batches before they go up.
+/// A walk that the surveyor does not take is left out, and named on stderr. `refused` is the client's own fault event. `spoil`, if any, changes batches before they go up.
 Result<void> upload_survey(Client& client, const std::vector<RecordedWalk>& survey, const std::optional<Fault>& refused,
                            const std::function<void()>& work,
                            const std::function<void(std::vector<SurveyBatch>&)>& spoil = {});
