@@ -12,6 +12,7 @@
 #include "server/quality/metrics.hpp"
 #include "tests/evaluation/commands.hpp"
 #include "tests/evaluation/datasets/levels_table.hpp"
+#include "tests/evaluation/datasets/uji_collection.hpp"
 #include "tests/evaluation/named_parts.hpp"
 #include "tests/evaluation/progress_bar.hpp"
 #include "tests/evaluation/svg_chart.hpp"
@@ -40,37 +41,54 @@ struct Tables {
   FingerprintTable training;
   FingerprintTable validation;
   std::vector<std::string> parts;  ///< of the collection, a validation scan; empty = it has none
+  std::vector<std::string> training_files;
+  std::string training_part;       ///< the month's folder, where a collection has some
+  double metres_per_unit = 1.0;
 };
 
 // One table after the other.
 FingerprintTable joined(std::span<FingerprintTable> tables) {
-  FingerprintTable all{tables.front().access_points, {}};
+  FingerprintTable all{tables.front().access_points, {}, {}};
   for (FingerprintTable& table : tables) all.scans.insert(all.scans.end(), table.scans.begin(), table.scans.end());
   return all;
 }
 
-Result<Tables> read_uji_split(const FingerprintsOptions& options) {
-  const auto file = [&](const std::vector<std::string>& named, const char* published) {
-    return named.empty() ? (fs::path(options.data) / published).string() : named.front();
-  };
-  auto training = read_uji(file(options.training, kUjiTraining));
-  if (!training) return training.fault();
-  auto validation = read_uji(file(options.validation, "validationData.csv"));
-  if (!validation) return validation.fault();
-  if (training->access_points != validation->access_points) {
-    return Fault{FaultCode::kOutOfRange, "validation", "other access points than the training table"};
-  }
-  return Tables{*std::move(training), *std::move(validation), {}};
+std::string below(const std::string& folder, const std::string& file) {
+  const std::string path = fs::path(file).lexically_relative(folder).generic_string();
+  return path.empty() || path.starts_with("..") ? file : path;
 }
 
-bool is_uji(const FingerprintsOptions& options) {
-  if (options.format != "auto") return options.format == "uji";
-  return options.training.empty() ? fs::exists(fs::path(options.data) / kUjiTraining) : options.training.size() == 1;
+// Absent = the collection is one of levels tables.
+std::optional<UjiFiles> uji_files(const FingerprintsOptions& options) {
+  if (options.format == "levels" || (options.format == "auto" && options.training.size() == 2)) return std::nullopt;
+  const auto found = find_uji(options.data);
+  if (!found && options.training.empty() && options.format == "auto") return std::nullopt;
+  UjiFiles files = found.value_or(UjiFiles{(fs::path(options.data) / kUjiTraining).string(), (fs::path(options.data) / "validationData.csv").string()});
+  if (!options.training.empty()) files.training = options.training.front();
+  if (!options.validation.empty()) files.validation = options.validation.front();
+  return files;
+}
+
+Result<Tables> read_uji_split(const FingerprintsOptions& options, const UjiFiles& files) {
+  auto training = read_uji(files.training);
+  if (!training) return training.fault();
+  auto validation = read_uji(files.validation);
+  if (!validation) return validation.fault();
+  if (!number_like(*training, *validation)) {
+    return Fault{FaultCode::kOutOfRange, "validation", "other access points than the training table"};
+  }
+  const auto metres = metres_per_unit(*training, files.training);
+  if (!metres) return metres.fault();
+  return Tables{*std::move(training), *std::move(validation), {}, {below(options.data, files.training)}, "", *metres};
 }
 
 // The files the command line names, else those that name themselves.
 Result<LevelsCollection> levels_files(const FingerprintsOptions& options) {
-  if (options.training.empty() && options.validation.empty()) return find_levels(options.data);
+  if (options.training.empty() && options.validation.empty()) {
+    auto found = find_levels(options.data);
+    if (found || options.format != "auto") return found;
+    return Fault{found.fault().code, found.fault().field, found.fault().cause + "; nor trainingData.csv and validationData.csv"};
+  }
   if (options.training.size() != 2 || options.validation.size() != 2) {
     return Fault{FaultCode::kMissingField, "training, validation", "levels file and places file expected of both"};
   }
@@ -85,7 +103,8 @@ Result<Tables> read_levels_split(const FingerprintsOptions& options) {
   auto tables = read_levels(all);  // together: floors are counted alike
   if (!tables) return tables.fault();
   const std::size_t split = files->training.size();
-  Tables made{joined(std::span(*tables).first(split)), joined(std::span(*tables).subspan(split)), {}};
+  Tables made{joined(std::span(*tables).first(split)), joined(std::span(*tables).subspan(split)), {}, {}, files->training.front().part, 1.0};
+  for (const LevelsFiles& each : files->training) made.training_files.push_back(below(options.data, each.levels));
   for (std::size_t i = 0; i < files->test.size(); ++i) {
     made.parts.insert(made.parts.end(), (*tables)[split + i].scans.size(), files->test[i].part);
   }
@@ -94,6 +113,11 @@ Result<Tables> read_levels_split(const FingerprintsOptions& options) {
 
 FloorOrdinal floor_of(const TabledScan& scan) {
   return {scan.building * kFloorsABuilding + scan.floor.value};
+}
+
+// Floors below ground are negative, so that a building's reach from -50 to 49.
+int building_of(FloorOrdinal floor) {
+  return static_cast<int>(std::floor((floor.value + kFloorsABuilding / 2) / static_cast<double>(kFloorsABuilding)));
 }
 
 RssScan scan_of(const TabledScan& tabled) {
@@ -173,7 +197,7 @@ LocatorScore score_run(const LocatorRun& run, const Tables& tables, const std::s
     const bool hit = floor == floor_of(table.scans[i]);
     floor_hits += hit;
     floors.push_back({hit ? 1.0 : 0.0, 1});
-    building_hits += floor.value / kFloorsABuilding == table.scans[i].building;
+    building_hits += building_of(floor) == table.scans[i].building;
   }
   score.error = summarise(score.errors);
   score.floor_hit = static_cast<double>(floor_hits) / all;  // a scan without an answer is a miss
@@ -224,19 +248,29 @@ void write_report(const FingerprintsOptions& options, const std::vector<LocatorS
       {"Error of single scans", "error, units of the collection", "share of the scans below"}, series, 30.0);
 }
 
+// What leaves nothing to score.
+std::string lack_of(const Tables& tables) {
+  const auto heard = [](const FingerprintTable& table) { return std::ranges::any_of(table.scans, [](const TabledScan& scan) { return !scan.heard.empty(); }); };
+  if (!heard(tables.training)) return "no training scan heard anything";
+  return heard(tables.validation) ? "" : "no validation scan heard anything";
+}
+
 int measure_fingerprints(const FingerprintsOptions& options) {
   const auto complain = [](const Fault& fault) {
     std::fprintf(stderr, "wayfuse-eval fingerprints: %s\n", to_string(fault).c_str());
     return 2;
   };
+  if (const auto writable = check_targets(options.json, options.report); !writable) return complain(writable.fault());
   std::vector<std::pair<const LocatorRow*, PartSettings>> locators;
   for (const std::string& text : options.locators) {
     auto locator = locator_named(text);
     if (!locator) return complain(locator.fault());
     locators.push_back(*std::move(locator));
   }
-  const auto tables = is_uji(options) ? read_uji_split(options) : read_levels_split(options);
+  const auto files = uji_files(options);
+  const auto tables = files ? read_uji_split(options, *files) : read_levels_split(options);
   if (!tables) return complain(tables.fault());
+  if (const std::string lack = lack_of(*tables); !lack.empty()) return complain({FaultCode::kMalformed, options.data, lack});
   const std::vector<ReferencePoint> survey = survey_of(tables->training);
   const LocatingSite site{RadioMap::build(survey), survey, {}};
   std::vector<LocatorScore> scores, by_part;
@@ -249,8 +283,10 @@ int measure_fingerprints(const FingerprintsOptions& options) {
     if (names.size() < 2) continue;
     for (const std::string& part : names) by_part.push_back(score_run(run, *tables, &part));
   }
-  const bool uji = is_uji(options);
-  const double true_metres = uji ? kUjiMetresPerUnit : 1.0;
+  const double true_metres = tables->metres_per_unit;
+  const bool uji = true_metres != 1.0;
+  std::printf("training: %s%s", tables->training_files.front().c_str(), tables->training_files.size() > 1 ? "" : "\n");
+  if (tables->training_files.size() > 1) std::printf(" and %zu more files\n", tables->training_files.size() - 1);
   std::printf("%zu training scans, %zu validation scans, %zu access points\n", tables->training.scans.size(),
               tables->validation.scans.size(), tables->training.access_points);
   std::printf("%-36s %7s %-15s %7s %7s %7s %7s  %6s %9s\n", "locator", "mean", "[95 %]", uji ? "metres" : "rmse", "median", "p75",
@@ -270,11 +306,16 @@ int measure_fingerprints(const FingerprintsOptions& options) {
   }
   if (!options.json.empty()) {
     std::ofstream out(options.json);
-    out << Json{{"data", fs::path(options.data).filename().string()}, {"rows", rows}}.dump(1) << "\n";
+    out << Json{{"data", (fs::path(options.data) / "").parent_path().filename().string()},
+                {"training_files", tables->training_files},
+                {"training_part", tables->training_part},
+                {"rows", rows}}
+               .dump(1) << "\n";
     if (!out.flush()) return complain({FaultCode::kNotFound, options.json, "cannot be written"});
   }
   if (!options.report.empty()) write_report(options, scores, true_metres);
-  return 0;
+  const bool answered = std::ranges::any_of(scores, [](const LocatorScore& score) { return score.error.n > 0; });
+  return answered ? 0 : complain({FaultCode::kNotFound, "locators", "none answered any scan"});
 }
 
 }  // namespace
@@ -289,7 +330,7 @@ void add_fingerprints_command(CLI::App& app, std::function<int()>& chosen) {
       ->capture_default_str();
   command
       ->add_option("--training", options->training,
-                   "Training file (levels: levels file and places file), instead of the published names")
+                   "Training file (levels: levels file, then places file), instead of the published names")
       ->expected(1, 2);
   command->add_option("--validation", options->validation, "Validation file, likewise")->expected(1, 2);
   command

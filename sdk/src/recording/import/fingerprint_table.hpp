@@ -28,7 +28,11 @@ struct TabledScan {
 struct FingerprintTable {
   std::size_t access_points = 0;
   std::vector<TabledScan> scans;
+  std::vector<std::string> names;  ///< of the access points; empty = not told
 };
+
+/// Numbers the access points of `table` as `like` does, by name; false = other names, and nothing is changed.
+bool number_like(const FingerprintTable& like, FingerprintTable& table);
 
 /// How UJIIndoorLoc's coordinates are read. They are Web-Mercator units at latitude 39.99 degrees: true metres are 0.766 of
 /// them. Publications take them for metres.
@@ -41,8 +45,9 @@ struct BadRow {
   std::string cause;
 };
 
-/// UJIIndoorLoc: header; access points (100 = not heard), then LONGITUDE, LATITUDE, FLOOR, BUILDINGID, ..., TIMESTAMP, found
-/// by name. Faults name file, line and column; rows that do not serve are left out and named in `bad`, where there is one.
+/// UJIIndoorLoc: header; access points WAP..., LONGITUDE, LATITUDE, FLOOR, BUILDINGID, ..., TIMESTAMP, in any order and case, found by
+/// name. Not heard: 100, nothing, `nan`; also 0, or a level of -100 and below, that fills more than half of all cells. Faults
+/// name file, line and column; rows that do not serve are left out and named in `bad`, where there is one.
 Result<FingerprintTable> read_uji(const std::string& file, std::vector<BadRow>* bad = nullptr);
 
 }  // namespace wayfuse
