@@ -90,11 +90,11 @@ Result<Surveyed> survey_with(const WalksOptions& options, const RecordedSite& si
   return surveyed;
 }
 
-Result<Selection> select(const WalksOptions& options, const RecordedSite& site, const SelectionOptions& selecting) {
+Result<Selection> select(const WalksOptions& options, const RecordedSite& site, const SelectionOptions& selecting, bool first = true) {
   auto selection = select_walks(site, selecting);
   if (!selection) return selection;
-  print_some("left out", selection->complaints);
-  print_some("note", selection->notes);
+  if (first) print_some("left out", selection->complaints);
+  if (first) print_some("note", selection->notes);
   std::size_t scored = 0;  // walks, whatever they are chained to
   for (const ScoredWalk& walk : selection->scored) scored += walk.parts.size();
   std::fprintf(stderr, "of %zu walks %zu are scored, %zu survey; the others do neither, as test walks never survey\n", site.walks.size(), scored,
@@ -245,9 +245,11 @@ int publish(const WalksOptions& options, const WalksOutcome& outcome, const Meas
 int measure_folds(const WalksOptions& options, const RecordedSite& site) {
   std::optional<Measured> all;
   std::string nothing;
+  bool first = true;
   const auto measure = [&](SelectionOptions selecting) -> Result<void> {
     selecting.may_be_empty = true;
-    auto selection = select(options, site, selecting);
+    auto selection = select(options, site, selecting, first);
+    first = false;
     if (!selection) return selection.fault();
     if (selection->scored.empty()) {
       nothing = selection->nothing;

@@ -172,26 +172,26 @@ double length_in(const json& info, const char* name) {
   return std::isfinite(length) && length > 0.0 ? length : 0.0;
 }
 
-// Way points lie in the outline's box at this scale, and fill some of it.
-bool hold(const std::vector<BuildingPoint>& points, double width_m, double height_m) {
-  if (points.empty()) return false;
-  std::size_t inside = 0;
-  BuildingPoint low = points.front(), high = low;
-  for (const BuildingPoint p : points) {
-    inside += p.x_m >= -kMargin_m && p.x_m <= width_m + kMargin_m && p.y_m >= -kMargin_m && p.y_m <= height_m + kMargin_m;
-    low = {std::min(low.x_m, p.x_m), std::min(low.y_m, p.y_m)};
-    high = {std::max(high.x_m, p.x_m), std::max(high.y_m, p.y_m)};
-  }
-  return static_cast<double>(inside) >= kInside * static_cast<double>(points.size()) &&
-         std::max(high.x_m - low.x_m, high.y_m - low.y_m) >= kLost * std::max(width_m, height_m);
+bool inside(const std::vector<BuildingPoint>& points, double width_m, double height_m) {
+  const auto in = std::ranges::count_if(points, [&](BuildingPoint p) {
+    return p.x_m >= -kMargin_m && p.x_m <= width_m + kMargin_m && p.y_m >= -kMargin_m && p.y_m <= height_m + kMargin_m;
+  });
+  return static_cast<double>(in) >= kInside * static_cast<double>(points.size());
 }
 
-double metres_per_unit(const fs::path& file, const Box& box, std::vector<std::string>& complaints,
+double longer_side_m(const std::vector<BuildingPoint>& points) {
+  const auto [west, east] = std::ranges::minmax(points, {}, &BuildingPoint::x_m);
+  const auto [south, north] = std::ranges::minmax(points, {}, &BuildingPoint::y_m);
+  return std::max(east.x_m - west.x_m, north.y_m - south.y_m);
+}
+
+// Absent = way points lie outside of this outline, whichever way it is scaled.
+std::optional<double> metres_per_unit(const fs::path& file, const Box& box, std::vector<std::string>& complaints,
                        const std::function<std::vector<BuildingPoint>()>& way_points) {
   const double middle_deg = to_geo({box.low.x, 0.5 * (box.low.y + box.high.y)}).latitude_deg;
   const double by_latitude = std::cos(middle_deg * kDegree);
   const auto complain = [&](const std::string& what) { complaints.push_back(file.string() + ": " + what); };
-  const auto from_latitude = [&](const std::string& what) {
+  const auto from_latitude = [&](const std::string& what) -> std::optional<double> {
     complain(what + "; the scale comes from the latitude");
     return by_latitude;
   };
@@ -204,8 +204,12 @@ double metres_per_unit(const fs::path& file, const Box& box, std::vector<std::st
   const double width = box.high.x - box.low.x, height = box.high.y - box.low.y, scale = width_m / width;
   const double off = std::abs(scale / by_latitude - 1.0);
   if (off > kContradiction) {
+    const std::vector<BuildingPoint> points = way_points();
     const bool proportioned = height_m > 0.0 && std::abs(height_m / (height * scale) - 1.0) <= kOdd;
-    if (!proportioned || !hold(way_points(), width_m, height_m)) return from_latitude("map_info.width contradicts the outline's latitude");
+    const bool found = proportioned && !points.empty() && inside(points, width_m, height_m) &&
+                       longer_side_m(points) >= kLost * std::max(width_m, height_m);
+    if (!found && !inside(points, width * by_latitude, height * by_latitude)) return std::nullopt;
+    if (!found) return from_latitude("map_info.width contradicts the outline's latitude");
     complain("map_info.width contradicts the outline's latitude; it is taken, as the way points lie inside");
   } else if (off > kOdd) {
     complain("map_info.width does not fit the outline's latitude");
@@ -254,8 +258,10 @@ FloorMap read_floor_map(const std::string& folder, std::vector<std::string>& com
   const std::vector<MercatorRing>& outline = drawn.rings.empty() ? drawn.lines : drawn.rings;
   const Box box = box_of(outline);
   FloorMap map;
+  const auto scale = metres_per_unit(fs::path(folder) / "floor_info.json", box, complaints, way_points);
+  if (!scale) return without_outline("floor_info.json contradicts its outline, and way points lie outside of it");
   map.corner = box.low;
-  map.metres_per_unit = metres_per_unit(fs::path(folder) / "floor_info.json", box, complaints, way_points);
+  map.metres_per_unit = *scale;
   const auto to_floor = [&](const MercatorRing& ring) {
     Ring points;
     for (const MercatorPoint p : ring) points.push_back({(p.x - box.low.x) * map.metres_per_unit, (p.y - box.low.y) * map.metres_per_unit});

@@ -23,7 +23,7 @@ GeoPoint to_geo(MercatorPoint point);
 ///
 /// The maps are drawn on the Web-Mercator plane; `floor_info.json` tells the true width of the outline, and so the scale. Where it
 /// contradicts the outline's latitude by more than a fifth, the latitude counts: unless width and height have the outline's
-/// proportions, and the floor's way points lie inside it at that scale and are not lost in it.
+/// proportions, and the floor's way points lie inside it at that scale and are not lost in it. Outside at either scale: no outline.
 struct FloorMap {
   Polygon outline;                      ///< empty = no map
   Polygon walkable;                     ///< the outline with shops and rooms cut out
