@@ -57,7 +57,16 @@ float least_distance(const RadioField& field, const RadioField::Storey& storey, 
   return sum / static_cast<float>(count);
 }
 
-bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch& scratch, Question& question) {
+// Ascending. A lattice spans whatever was surveyed: one place a thousand kilometres off, and nearly all of it is empty.
+std::vector<std::uint32_t> nodes_surveyed(const RadioField& field) {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t node = 0; node < field.nodes(); ++node) {
+    if (!field.kernels(node).empty()) nodes.push_back(node);
+  }
+  return nodes;
+}
+
+bool ask(const RadioField& field, std::span<const std::uint32_t> surveyed, const SurveyQuery& query, RadioField::Scratch& scratch, Question& question) {
   const auto storey = std::ranges::find(field.storeys(), query.place.floor, &RadioField::Storey::floor);
   if (storey == field.storeys().end() || !covered(field, *storey, query)) return false;
   float sum = 0.0f, squares = 0.0f;
@@ -72,13 +81,18 @@ bool ask(const RadioField& field, const SurveyQuery& query, RadioField::Scratch&
   question.place = query.place.point;
   question.walk = query.walk;
   question.least_distance = least_distance(field, *storey, query.walk, scratch);
-  for (std::uint32_t node = storey->first_node; node < end; ++node) {
-    if (node == *truth) question.truth = question.nodes.size();
-    else if (field.kernels(node).empty()) continue;
+  const auto add = [&](std::uint32_t node) {
     question.nodes.push_back(field.node(node, scratch, query.walk));
     const auto at = static_cast<int>(node - storey->first_node);
     question.points.push_back({static_cast<double>(storey->x_m + RadioField::kLattice_m * static_cast<float>(at % storey->columns)),
                                static_cast<double>(storey->y_m + RadioField::kLattice_m * static_cast<float>(at / storey->columns))});
+  };
+  const auto first = std::ranges::lower_bound(surveyed, storey->first_node), middle = std::ranges::lower_bound(surveyed, *truth);
+  for (auto at = first; at != middle; ++at) add(*at);
+  question.truth = question.nodes.size();
+  add(*truth);
+  for (auto at = middle; at != surveyed.end() && *at < end; ++at) {
+    if (*at != *truth) add(*at);
   }
   return true;
 }
@@ -223,11 +237,12 @@ std::vector<BuildingPoint> shifts_of_walks(const RadioField& field) {
   }
   std::vector<BuildingPoint> errors(asked.size());
   std::vector<double> scans(asked.size());
+  const std::vector<std::uint32_t> surveyed = nodes_surveyed(field);
   const auto scratch = field.borrow();
   Question question;
   for (const SurveyQuery* query : some_of(field.queries(), kMostShifting)) {
     const auto walk = static_cast<std::size_t>(query->walk);
-    if (asked[walk] < 2 || !ask(field, *query, *scratch, question)) continue;
+    if (asked[walk] < 2 || !ask(field, surveyed, *query, *scratch, question)) continue;
     const BuildingPoint off = error(question, {field.weights().sorensen, field.weights().cosine}, kNearby_m);
     errors[walk] = {errors[walk].x_m + off.x_m, errors[walk].y_m + off.y_m};
     scans[walk]++;
@@ -246,10 +261,11 @@ Learnt learn_weights(const RadioField& field, std::size_t most_queries) {
   std::vector<double> loudness;
   SurveyFit fit;
   {
+    const std::vector<std::uint32_t> surveyed = nodes_surveyed(field);
     const auto scratch = field.borrow();
     Question question;
     for (const SurveyQuery* query : some_of(field.queries(), most_queries)) {
-      if (!ask(field, *query, *scratch, question)) continue;
+      if (!ask(field, surveyed, *query, *scratch, question)) continue;
       questions.push_back(question);
       const auto storey = std::ranges::find(field.storeys(), query->place.floor, &RadioField::Storey::floor);
       if (const auto ratio = field.loudness(query->heard, *storey, query->place.point, query->walk)) loudness.push_back(*ratio);
