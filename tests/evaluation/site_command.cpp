@@ -30,7 +30,7 @@ int show_site(const SiteOptions& options) {
     return 2;
   }
   std::map<FloorOrdinal, FloorTally> tallies;
-  std::vector<std::string> complaints = site->complaints;
+  std::vector<std::string> complaints, notes = site->complaints;
   for (const WalkFile& file : site->walks) {
     const auto walk = read_walk(file.path, file.floor_origin);
     if (!walk) {
@@ -38,6 +38,7 @@ int show_site(const SiteOptions& options) {
       continue;
     }
     complaints.insert(complaints.end(), walk->complaints.begin(), walk->complaints.end());
+    notes.insert(notes.end(), walk->notes.begin(), walk->notes.end());
     FloorTally& tally = tallies[file.floor];
     ++tally.walks[static_cast<int>(split_of(file.id))];
     tally.seconds += walk->duration_s();
@@ -55,6 +56,7 @@ int show_site(const SiteOptions& options) {
     std::printf("%-8s %7d  %7d %12d %6d  %8.1f %7zu %11zu %10zu\n", floor.label.c_str(), floor.ordinal.value, tally.walks[0],
                 tally.walks[1], tally.walks[2], tally.seconds / 60.0, tally.scans, tally.way_points, tally.off_plan);
   }
+  for (const std::string& note : notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   for (const std::string& complaint : complaints) std::fprintf(stderr, "left out: %s\n", complaint.c_str());
   return 0;
 }

@@ -217,7 +217,7 @@ WalksOutcome outcome_of(const WalksOptions& options, const RecordedSite& site, c
 
 // What can leave every question unanswered.
 std::string lack_of(const Measured& measured) {
-  if (measured.survey_walks == 0) return "no walk surveys: all of them are scored, or test walks";
+  if (measured.survey_walks == 0) return "no walk surveys: all are scored, test walks, or left out";
   if (measured.survey_points == 0) return "no reading of the survey walks can be used";
   const bool heard = std::ranges::any_of(measured.walks, [](const ScoredWalk& scored) {
     return std::ranges::any_of(scored.walk.scans, [](const RssScan& scan) { return !scan.readings.empty(); });

@@ -224,6 +224,15 @@ TEST_F(SiteOnDisk, WalksThatContinueEachOtherBecomeOne) {
   EXPECT_TRUE(selection.survey.empty());
 }
 
+TEST(WalkReply, LeavesOutWhatTheProtocolRefusesAndNothingElse) {
+  WalkReply reply;
+  EXPECT_TRUE(reply.leaves_out({FaultCode::kOutOfRange, "sample.turn_rate_degps", "-2005 is outside -2000..2000 deg/s"}));
+  EXPECT_TRUE(reply.leaves_out({FaultCode::kOutOfRange, "sample.step_length_m", "9 is outside"}));
+  EXPECT_FALSE(reply.leaves_out({FaultCode::kUnexpectedMessage, "", "the client has ended"}));
+  EXPECT_EQ(reply.refused, 2u);
+  EXPECT_EQ(reply.refusal->field, "sample.turn_rate_degps");
+}
+
 TEST(Pictures, CarryTitleAxesAndLegend) {
   const std::string svg =
       distribution_chart({"Error <all>", "metres", "share"}, {{"p1", {1, 2, 3}}, {"default", {0.5, 1}}}, 10.0);
