@@ -319,10 +319,11 @@ TEST_F(SiteFolder, TheScaleIsTheWidthsUnlessItCannotBe) {
 }
 
 TEST_F(SiteFolder, AWalkOnTwoFloorsIsReadOnceAndHiddenFilesNever) {
-  for (const char* file : {"F1/path_data_files/w.txt", "F2/path_data_files/w.txt", "F2/path_data_files/._w.txt"}) write(file, "1\tTYPE_WAYPOINT\t10\t20\n");
+  for (const char* file : {"F1/path_data_files/w.txt", "F2/path_data_files/w.txt", "F2/path_data_files/._w.txt", "F2/path_data_files/x.TXT"}) write(file, "1\tTYPE_WAYPOINT\t10\t20\n");
   const auto site = read_site(folder_.string(), {});
   ASSERT_TRUE(site);
-  ASSERT_EQ(site->walks.size(), 1u);
+  ASSERT_EQ(site->walks.size(), 2u);
+  EXPECT_EQ(site->walks[1].id, "x");
   EXPECT_NE(site->complaints.back().find("F2/path_data_files/w.txt: left out"), std::string::npos) << site->complaints.back();
 }
 

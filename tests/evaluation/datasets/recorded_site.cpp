@@ -31,7 +31,9 @@ std::vector<fs::path> floor_folders(const fs::path& folder) {
 }
 
 // What may be a walk: not what systems and editors leave beside it.
-bool is_walk_file(const fs::path& file) { return file.extension() == ".txt" && !file.filename().string().starts_with('.'); }
+bool is_walk_file(const fs::path& file) {
+  return (file.extension() == ".txt" || file.extension() == ".TXT") && !file.filename().string().starts_with('.');
+}
 
 // Of some walks of a floor, in its own frame.
 std::vector<BuildingPoint> some_way_points(const fs::path& floor) {
