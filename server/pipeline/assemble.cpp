@@ -88,12 +88,31 @@ struct Framed {
 
 Fault clash(std::string field, std::string cause) { return {FaultCode::kConflict, std::move(field), std::move(cause)}; }
 
+/// Measurements of a spec that its filter does not understand.
+Result<void> filter_understands(const Assembly& spec) {
+  const FilterRow& filter = row_of(filter_catalogue(), spec.chosen("filter").part);
+  const auto takes = [&](std::string_view role, std::string_view part, Takes needed) -> Result<void> {
+    if (spec.chosen(role).part != part || filter.takes >= needed) return {};
+    std::string others;
+    for (const FilterRow& row : filter_catalogue()) {
+      if (row.takes >= needed) others += (others.empty() ? "`" : ", `") + row.description.name + "`";
+    }
+    return clash("parts.filter", "`" + filter.description.name + "` takes " + std::string(words_of(filter.takes)) + " only, and `" +
+                                     std::string(part) + "` is none: " + others);
+  };
+  if (auto field = takes("measurement", "field", Takes::kAny); !field) return field;
+  if (auto ranges = takes("measurement", "ranges", Takes::kGaussian); !ranges) return ranges;
+  if (auto speed = takes("speed", "speed", Takes::kGaussian); !speed) return speed;
+  if (auto direction = takes("azimuth", "direction", Takes::kGaussian); !direction) return direction;
+  if (auto resolved = takes("azimuth", "resolved", Takes::kLinear); !resolved) return resolved;
+  return {};
+}
+
 /// Parts that do not go together, and information that would count twice.
 Result<void> fits(const Assembly& spec) {
   const Chosen locator = spec.chosen("locator");
   const Chosen measurement = spec.chosen("measurement");
   const Chosen motion = spec.chosen("motion");
-  const FilterRow& filter = row_of(filter_catalogue(), spec.chosen("filter").part);
   if (locator.part == "none" && measurement.part != "none") {
     return clash("parts.measurement", "`" + measurement.part + "` needs a locator, and there is none");
   }
@@ -103,14 +122,7 @@ Result<void> fits(const Assembly& spec) {
                        (measurement.part == "ranges" && row.gives_ranges) || (measurement.part == "field" && row.gives_likelihood);
     if (!gives) return clash("parts.measurement", "the locator `" + locator.part + "` gives no " + measurement.part);
   }
-  if (measurement.part == "field" && !filter.particles) {
-    return clash("parts.measurement", "`field` has no Gaussian form: it needs the filter `particle`");
-  }
-  const bool bent = measurement.part == "ranges" || spec.chosen("speed").part == "speed" || spec.chosen("azimuth").part == "direction";
-  if (filter.linear_only && bent) {
-    return clash("parts.filter", "`" + filter.description.name +
-                                     "` takes linear measurements only, and ranges, speed and direction are none: `extended-kalman` or `unscented-kalman`");
-  }
+  if (auto understood = filter_understands(spec); !understood) return understood;
   const auto model = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
   if (model->uses_heading() && spec.chosen("azimuth").part != "none") {
     return clash("parts.azimuth", "the motion `" + motion.part + "` is already moved by the phone's heading: it would count twice");

@@ -99,6 +99,16 @@ std::span<const ResamplerRow> resampler_catalogue() {
   return rows;
 }
 
+std::string_view words_of(Takes takes) {
+  switch (takes) {
+    case Takes::kFixes: return "fixes";
+    case Takes::kLinear: return "linear measurements";
+    case Takes::kGaussian: return "measurements with a Gaussian form";
+    case Takes::kAny: break;
+  }
+  return "measurements";
+}
+
 std::span<const FilterRow> filter_catalogue() {
   static const std::array rows = {
       FilterRow{{"filter", "particle", "sequential importance resampling [P1 eqs. 11-16]",
@@ -111,9 +121,9 @@ std::span<const FilterRow> filter_catalogue() {
                   return std::make_unique<ParticleFilter>(ParticleFilterSettings{s.count("particles"), s["resample_below"]},
                                                           std::move(motion), std::move(resampler));
                 },
-                true, false},
-      FilterRow{{"filter", "kalman", "Kalman filter; takes linear models only [P4 eqs. 1-7]", {}}, gaussian<ExtendedKalmanFilter>, false,
-                true},
+                Takes::kAny},
+      FilterRow{{"filter", "kalman", "Kalman filter; takes linear models only [P4 eqs. 1-7]", {}}, gaussian<ExtendedKalmanFilter>,
+                Takes::kLinear},
       FilterRow{{"filter", "extended-kalman", "Kalman filter linearised at the mean [P5]", {}}, gaussian<ExtendedKalmanFilter>},
       FilterRow{{"filter", "unscented-kalman", "Kalman filter through sigma points [P5]",
                  {{"alpha", UnscentedSettings{}.alpha, 0.001, 2, "spread of the sigma points; smaller stays nearer the mean", "[P5]"}}},
@@ -121,7 +131,8 @@ std::span<const FilterRow> filter_catalogue() {
                    std::shared_ptr<const Resampler>) -> std::unique_ptr<Filter> {
                   return std::make_unique<UnscentedKalmanFilter>(std::move(motion), UnscentedSettings{.alpha = s["alpha"]});
                 }},
-      FilterRow{{"filter", "newest-fix", "no memory: the newest fix, moved on by the motion", {}}, gaussian<NewestFixFilter>},
+      FilterRow{{"filter", "newest-fix", "no memory: the newest fix, moved on by the motion", {}}, gaussian<NewestFixFilter>,
+                Takes::kFixes},
   };
   return rows;
 }

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "server/tracking/filter.hpp"
 #include "server/tracking/motion_model.hpp"
@@ -18,12 +19,21 @@ struct ResamplerRow {
   PartDescription description;
   std::shared_ptr<const Resampler> (*make)(const PartSettings& settings);
 };
+/// Which measurements a filter understands; each kind takes what the ones before it take, too.
+enum class Takes {
+  kFixes,     ///< points
+  kLinear,    ///< whose Jacobian does not depend on the state
+  kGaussian,  ///< that have a Gaussian form
+  kAny,       ///< of particles, which need a resampler
+};
+/// `linear measurements`, as in a fault: the filter takes ... only.
+std::string_view words_of(Takes takes);
+
 struct FilterRow {
   PartDescription description;
   std::unique_ptr<Filter> (*make)(const PartSettings& settings, std::shared_ptr<const MotionModel> motion,
                                   std::shared_ptr<const Resampler> resampler);
-  bool particles = false;          ///< takes measurements without a Gaussian form, needs a resampler
-  bool linear_only = false;        ///< refuses models whose Jacobian depends on the state
+  Takes takes = Takes::kGaussian;
 };
 
 std::span<const MotionModelRow> motion_model_catalogue();

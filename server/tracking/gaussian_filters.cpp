@@ -10,6 +10,8 @@
 namespace wayfuse {
 namespace {
 
+constexpr std::array<double, 8> kOfAPlace = {1, 0, 0, 0, 0, 1, 0, 0};
+
 GaussianState predicted(const GaussianState& belief, const MotionModel& model, const Motion& motion) {
   const Matrix4 f = matrix_of(model.jacobian(belief.mean, motion));
   const Matrix4 q = matrix_of(model.noise(belief.mean, motion));
@@ -71,6 +73,9 @@ void NewestFixFilter::predict(const Motion& motion, Random&) { take(predicted(be
 
 bool NewestFixFilter::update(const MeasurementModel& measurement, Random&) {
   if (measurement.dimension() != 2) return false;
+  std::array<double, 8> jacobian{};
+  measurement.jacobian(belief_.mean, jacobian);
+  if (jacobian != kOfAPlace) return false;  // two numbers, but no place
   std::array<double, 2> residual{}, variance{};
   measurement.residual(belief_.mean, residual);
   measurement.variance(variance);

@@ -36,7 +36,8 @@ class ExtendedKalmanFilter final : public GaussianFilter {
   bool update(const MeasurementModel& measurement, Random& random) override;
 };
 
-/// No memory: the newest fix as it is, moved on by the motion model. What a filter is compared with.
+/// No memory: the newest fix as it is, moved on by the motion model. What a filter is compared with. Measurements of anything but the
+/// place are refused.
 class NewestFixFilter final : public GaussianFilter {
  public:
   using GaussianFilter::GaussianFilter;

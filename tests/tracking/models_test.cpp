@@ -198,6 +198,21 @@ TEST(KalmanFamily, FollowsAWalkThroughSpeedAndDirectionAlone) {
   }
 }
 
+// A measurement beyond what its row takes is refused and changes nothing; a fix moves everyone.
+TEST(NewestFixFilter, TakesPlacesOnly) {
+  const MotionModelRow& motion = motion_model_catalogue().front();
+  const FilterRow& row = *std::ranges::find_if(filter_catalogue(), [](const auto& each) { return each.description.name == "newest-fix"; });
+  const auto filter = row.make({}, standard(motion), nullptr);
+  Random random(1);
+  filter->start(isotropic(kSomewhere, 2.0, 1.0), random);
+  for (const auto& measurement : measurements()) {
+    const GaussianState before = filter->estimate();
+    const bool place = dynamic_cast<const FixMeasurement*>(measurement.get()) != nullptr;
+    EXPECT_EQ(filter->update(*measurement, random), place);
+    EXPECT_EQ(array_of(filter->estimate().mean) != array_of(before.mean), place);
+  }
+}
+
 TEST(KalmanFamily, AMinuteAndAFreshStartStayFinite) {
   for (const FilterRow& row : filter_catalogue()) {
     for (const MotionModelRow& motion : motion_model_catalogue()) {
