@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "proto/src/wire/tree.hpp"
 #include "server/locating/catalogue.hpp"
 #include "server/pipeline/part_roles.hpp"
 #include "server/pipeline/preset_files.hpp"
@@ -97,6 +98,8 @@ Result<PipelineSpec> preset(std::string_view name) {
 }
 
 Result<PipelineSpec> parse_pipeline(std::string_view text) {
+  // Of a key that stands twice the reader below would drop one in silence.
+  if (const auto strict = wire::parse_json(text); !strict) return strict.fault();
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) return wrong(FaultCode::kMalformed, "", "not JSON");
   if (!json.is_object()) return wrong(FaultCode::kWrongType, "", "not an object");

@@ -21,7 +21,7 @@ struct PipelineSpec {
 std::vector<std::string> preset_names();
 Result<PipelineSpec> preset(std::string_view name);
 
-/// From JSON; unknown roles, parts, settings and values out of range are faults that list what is known.
+/// From strict JSON, no key twice; unknown roles, parts, settings and values out of range are faults that list what is known.
 Result<PipelineSpec> parse_pipeline(std::string_view json);
 std::string to_json(const PipelineSpec& spec);
 

@@ -30,7 +30,7 @@ const std::map<std::string, Rooms>& allowed() {
       {"admin/plan", {"vocabulary"}},
       {"server/locating", {"vocabulary"}},
       {"server/tracking", {"vocabulary"}},
-      {"server/pipeline", {"vocabulary", "server/locating", "server/tracking"}},
+      {"server/pipeline", {"vocabulary", "proto/src/wire/tree.hpp", "server/locating", "server/tracking"}},
       {"server/buildings", {"vocabulary", "server/locating", "server/pipeline", "db", "wire"}},
       {"server/quality", {"vocabulary", "wire", "server/pipeline", "server/buildings", "db", "admin/map_control.hpp", "sdk/motion",
                           "sdk/include/wayfuse/sdk/recording.hpp"}},

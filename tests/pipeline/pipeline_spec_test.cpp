@@ -51,7 +51,12 @@ TEST(ParsePipeline, NamesFieldAndCauseAndWhatIsKnown) {
     const char* cause;
   };
   const Row rows[] = {
-      {"{", FaultCode::kMalformed, "", "not JSON"},
+      {"{", FaultCode::kMalformed, "", "a key in quotes is expected"},
+      {R"({"parts": {"locator": {"part": "wknn", "settings": {"k": 1e999}}}})", FaultCode::kMalformed, "", "not JSON"},
+      {R"({"parts": {}, "parts": {"locator": "wknn"}})", FaultCode::kDuplicateField, "", "'parts' stands twice"},
+      {R"({"parts": {"locator": "nn", "locator": "wknn"}})", FaultCode::kDuplicateField, "parts", "'locator' stands twice"},
+      {R"({"parts": {"locator": {"part": "wknn", "settings": {"k": 1, "exponent": 1, "k": 4}}}})", FaultCode::kDuplicateField,
+       "parts.locator.settings", "'k' stands twice"},
       {"[]", FaultCode::kWrongType, "", "not an object"},
       {"{}", FaultCode::kMissingField, "parts", "names its parts"},
       {R"({"parts": 3})", FaultCode::kWrongType, "parts", "not an object"},
