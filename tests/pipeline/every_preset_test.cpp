@@ -70,15 +70,16 @@ TEST_P(EveryPreset, TheSameSeedGivesTheSameBits) {
 }
 
 TEST_P(EveryPreset, TheOrderOfTheSurveyDoesNotMatter) {
-  auto shuffled = std::make_shared<Site>(*odd_site());
+  auto walked = std::make_shared<Site>(*odd_site());
+  std::erase_if(walked->survey, [](const ReferencePoint& point) { return point.walk.empty(); });  // standing points are numbered as they come
+  auto shuffled = std::make_shared<Site>(*walked);
   Random random(5);
   for (std::size_t i = shuffled->survey.size(); i > 1; --i) std::swap(shuffled->survey[i - 1], shuffled->survey[random.below(i)]);
-  const auto one = tracker(odd_site()), two = tracker(shuffled);
+  const auto one = tracker(walked), two = tracker(shuffled);
   walk(*one), walk(*two);
   const auto a = one->position(at_s(20.0)), b = two->position(at_s(20.0));
   ASSERT_TRUE(a && b);
-  // Sums in another order differ in their last digits; a draw from the survey in another order is another draw.
-  EXPECT_LT(distance_m(a->place.point, b->place.point), GetParam() == "default" ? 1.0 : 1e-3);
+  EXPECT_LT(distance_m(a->place.point, b->place.point), 1e-3) << "sums in another order differ in their last digits";
   EXPECT_EQ(a->place.floor, b->place.floor);
 }
 

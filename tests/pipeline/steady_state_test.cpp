@@ -34,6 +34,8 @@ RssScan scan_at(BuildingPoint point) {
   return scan;
 }
 
+const Georeference kHere{{48.0, 11.0}, 0.0};
+
 std::shared_ptr<const TrackerFactory> pipeline(const std::string& name) {
   auto site = std::make_shared<Site>();
   for (int i = 0; i < 400; ++i) {
@@ -44,13 +46,12 @@ std::shared_ptr<const TrackerFactory> pipeline(const std::string& name) {
     point.scans[0].time = PhoneTime{std::chrono::seconds(i)};
     site->survey.push_back(std::move(point));
   }
+  site->georeference = kHere;
   return *assemble(*preset(name), site);
 }
 
-class SteadyState : public testing::TestWithParam<std::string> {};
-
-TEST_P(SteadyState, StepsAndScansAllocateNothing) {
-  const auto tracker = pipeline(GetParam())->make_tracker(Random(1));
+// 200 s of steps and scans around one place, satellite fixes until `fixes_until_s`; counted is the second half.
+std::size_t allocations_of(Tracker& tracker, double fixes_until_s) {
   MotionReport step;
   step.reference = HeadingReference::kTrue;
   step.interval = std::chrono::milliseconds(500);
@@ -62,14 +63,24 @@ TEST_P(SteadyState, StepsAndScansAllocateNothing) {
     if (k == 200) counting = true;  // by then every buffer has grown to what it needs
     step.time = PhoneTime{std::chrono::milliseconds(500 * k)};
     step.heading = Heading::from_radians(0.3 * k);
-    tracker->feed(step);
+    tracker.feed(step);
+    if (k % 6 == 3 && 0.5 * k < fixes_until_s) tracker.feed(GnssFix{step.time, kHere.to_geo({20.0, 20.0}), 5.0, {}, {}});
     if (k % 6 != 0) continue;
     scan.time = step.time;
-    tracker->feed(scan);
+    tracker.feed(scan);
   }
   counting = false;
-  EXPECT_EQ(std::exchange(allocations, 0), 0u);
+  EXPECT_TRUE(tracker.position(step.time)) << "nothing was ever begun";
+  return std::exchange(allocations, 0);
 }
+
+class SteadyState : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Tracker> tracker_ = pipeline(GetParam())->make_tracker(Random(1), KnownStart{{{20.0, 20.0}, FloorOrdinal{0}}, 0.5, {}});
+};
+
+TEST_P(SteadyState, StepsAndScansAllocateNothing) { EXPECT_EQ(allocations_of(*tracker_, 20.0), 0u); }
+TEST_P(SteadyState, NorDoSatelliteFixes) { EXPECT_EQ(allocations_of(*tracker_, INFINITY), 0u); }
 
 INSTANTIATE_TEST_SUITE_P(Presets, SteadyState, testing::ValuesIn(preset_names()), [](const auto& preset) {
   std::string name = preset.param;

@@ -224,9 +224,14 @@ TEST(KalmanFamily, AMinuteAndAFreshStartStayFinite) {
       minute.dt_s = 60.0;
       minute.spread_m = 40.0;
       filter->predict(minute, random);
-      filter->update(FixMeasurement(5.0, 5.0, 1e-3), random);
+      const GaussianState before = filter->estimate();
+      const bool moves = motion.description.name != "still";
+      EXPECT_EQ(before.covariance[0] > 0.0, moves) << row.description.name << " " << motion.description.name;
+      EXPECT_TRUE(filter->update(FixMeasurement(5.0, 5.0, 1e-3), random)) << row.description.name << " " << motion.description.name;
       const GaussianState state = filter->estimate();
       EXPECT_TRUE(std::isfinite(state.mean.x_m) && std::isfinite(state.covariance[0])) << row.description.name;
+      const auto off_m = [](const State& mean) { return std::hypot(mean.x_m - 5.0, mean.y_m - 5.0); };
+      EXPECT_TRUE(!moves || off_m(state.mean) < off_m(before.mean)) << row.description.name << " " << motion.description.name;
     }
   }
 }
