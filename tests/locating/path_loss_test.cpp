@@ -99,10 +99,32 @@ TEST(Trilateration, LearnsAnExponentThatChanged) {
   const auto fix = locator.locate(drowned({15, 10}));
   ASSERT_TRUE(fix);
   EXPECT_LT(distance_m(fix->place.point, {15, 10}), 2.0);
-  const double before = locator.exponents()[0];
-  RssScan nearly = drowned({15, 10});
-  locator.learn(nearly, {{15, 10}, FloorOrdinal{0}});
-  EXPECT_NEAR(locator.exponents()[0], before, 0.05);
+}
+
+// The law's own level at the fused place with exponents `off` the survey's: replaced beyond T = 0.2 by just that, kept to the bit within it.
+TEST(Trilateration, ReplacesAnExponentOnlyBeyondTheThreshold) {
+  const Trilateration model(RadioMap::build(hall().survey()), {.threshold = 0.2}), deaf(RadioMap::build(hall().survey()), {.threshold = 0.2, .online = false});
+  const Place here{{12, 8}, FloorOrdinal{0}};
+  for (const double off : {0.15, -0.15, 0.25, -0.25}) {
+    RssScan scan = hall().scan_at(here.point);
+    for (auto& reading : scan.readings) {
+      PathLoss law = *model.laws()[*model.map().index_of(reading.bssid)];
+      law.exponent += off;
+      reading.rss_dbm = law.level_dbm(distance_m(here.point, law.transmitter.point));
+    }
+    TrilaterationLocator locator(model), never(deaf);
+    locator.learn(scan, here);
+    never.learn(scan, here);
+    for (std::size_t i = 0; i < model.laws().size(); ++i) {
+      const double surveyed = model.laws()[i]->exponent;
+      EXPECT_EQ(never.exponents()[i], surveyed) << "the survey's exponents stay";
+      if (std::abs(off) < 0.2) {
+        EXPECT_EQ(locator.exponents()[i], surveyed) << off;
+      } else {
+        EXPECT_NEAR(locator.exponents()[i], surveyed + off, 1e-9) << off;
+      }
+    }
+  }
 }
 
 TEST(Trilateration, TakesAMeasuredRangeOverALevel) {

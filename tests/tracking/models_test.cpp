@@ -31,6 +31,18 @@ Motion some_motion() {
 
 const State kSomewhere{3.0, -2.0, 0.8, -0.5};
 
+std::shared_ptr<const MotionModel> motion_model(const char* name, std::map<std::string, double> settings) {
+  const MotionModelRow& row = *std::ranges::find_if(motion_model_catalogue(), [&](const auto& each) { return each.description.name == name; });
+  return row.make(*check_settings(row.description, {name, std::move(settings)}, ""));
+}
+
+// The covariance of `a` and `b`, about given means.
+double covariance(std::span<const float> a, double mean_a, std::span<const float> b, double mean_b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (static_cast<double>(a[i]) - mean_a) * (static_cast<double>(b[i]) - mean_b);
+  return sum / static_cast<double>(a.size());
+}
+
 TEST(MotionModels, EveryJacobianEqualsTheNumericOne) {
   for (const MotionModelRow& row : motion_model_catalogue()) {
     const auto model = standard(row);
@@ -81,6 +93,56 @@ TEST(MotionModels, ParticlesSpreadAsTheirGaussianFormSays) {
     EXPECT_NEAR(xy / n, noise[1], 0.05 * scale) << row.description.name;
     EXPECT_NEAR(yy / n, noise[5], 0.05 * scale) << row.description.name;
   }
+}
+
+// A street towards azimuth 30: 30 degrees clockwise from y, along (1/2, sqrt(3)/2) and across (-sqrt(3)/2, 1/2).
+TEST(StreetMotion, SpreadsAlongAndAcrossItsAxis) {
+  constexpr double kAlong[] = {0.5, 0.8660254037844386}, kAcross[] = {-0.8660254037844386, 0.5};
+  constexpr double kSigmas[] = {0.4, 0.1, 0.7, 0.2};  // of the place along and across, of the speed along and across
+  const auto street = motion_model("street", {{"axis_azimuth_deg", 30}, {"along_sigma_m_rts", kSigmas[0]}, {"across_sigma_m_rts", kSigmas[1]},
+                                              {"along_sigma_mps_rts", kSigmas[2]}, {"across_sigma_mps_rts", kSigmas[3]}});
+  const Motion two_seconds{.dt_s = 2.0};
+  const StateMatrix noise = street->noise(kSomewhere, two_seconds);
+  Random random(4);
+  ParticleCloud cloud(100000, street->columns());  // all of them at rest in the origin
+  street->propagate(cloud, two_seconds, random);
+  const std::span<const float> columns[] = {cloud.x_m(), cloud.y_m(), cloud.vx_mps(), cloud.vy_mps()};
+  for (std::size_t half = 0; half < 2; ++half) {
+    const double along2 = 2.0 * kSigmas[2 * half] * kSigmas[2 * half], across2 = 2.0 * kSigmas[2 * half + 1] * kSigmas[2 * half + 1];
+    for (std::size_t i = 0; i < 2; ++i) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double expected = along2 * kAlong[i] * kAlong[k] + across2 * kAcross[i] * kAcross[k];
+        EXPECT_NEAR(noise[4 * (2 * half + i) + 2 * half + k], expected, 1e-12) << half << i << k;
+        EXPECT_NEAR(covariance(columns[2 * half + i], 0.0, columns[2 * half + k], 0.0), expected, 0.02 * along2) << half << i << k;
+      }
+    }
+  }
+}
+
+// Exact steps: what is left is each particle's own stride and compass error, and where they drift to.
+TEST(StepsMotion, EachParticleGoesByItsOwnStrideAndCompass) {
+  const auto steps = motion_model("steps", {{"length_share", 0}, {"heading_sigma_rad", 0}, {"bias_sigma_rad", 0.3}, {"scale_sigma", 0.1}});
+  Random random(4);
+  ParticleCloud cloud(20000, steps->columns());
+  steps->start(cloud, random);
+  const std::span<const float> strides = cloud.stride_scale(), biases = cloud.heading_bias_rad();
+  EXPECT_NEAR(covariance(strides, 1.0, strides, 1.0), 0.1 * 0.1, 0.001);
+  EXPECT_NEAR(covariance(biases, 0.0, biases, 0.0), 0.3 * 0.3, 0.005);
+  steps->propagate(cloud, Motion{.dt_s = 1.0, .heading_rad = 0.4, .distance_m = 2.0}, random);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    ASSERT_NEAR(cloud.x_m()[i], 2.0f * strides[i] * std::cos(0.4f + biases[i]), 1e-5f);
+    ASSERT_NEAR(cloud.y_m()[i], 2.0f * strides[i] * std::sin(0.4f + biases[i]), 1e-5f);
+  }
+}
+
+TEST(StepsMotion, CompassErrorsDriftWithTheRootOfTime) {
+  const auto steps = motion_model("steps", {{"bias_drift_rad_rts", 0.05}});
+  Random random(4);
+  ParticleCloud cloud(20000, steps->columns());
+  for (int i = 0; i < 8; ++i) steps->propagate(cloud, Motion{.dt_s = 0.5, .at_rest = true}, random);
+  const std::span<const float> biases = cloud.heading_bias_rad();
+  EXPECT_NEAR(covariance(biases, 0.0, biases, 0.0), 4.0 * 0.05 * 0.05, 0.0005);
+  EXPECT_EQ(covariance(cloud.x_m(), 0.0, cloud.x_m(), 0.0), 0.0) << "at rest only the compass drifts";
 }
 
 std::vector<std::unique_ptr<MeasurementModel>> measurements() {
@@ -142,6 +204,20 @@ TEST(DirectionMeasurement, WrapsItsResidual) {
   std::array<double, 1> residual{};
   measurement.residual({0, 0, -1.0, -0.1}, residual);  // pointing at -pi + 0.0997
   EXPECT_NEAR(residual[0], -0.1 - std::atan(0.1), 1e-12);
+}
+
+// One transmitter behind a wall must not decide alone: beyond 4 sigma a range costs 8 and no more.
+TEST(RangeMeasurement, CostsFourSigmasAtMost) {
+  RangeMeasurement measurement;
+  measurement.add({0.0, 0.0, 10.0, 2.0});
+  ParticleCloud cloud(3, 0);
+  const float away_m[] = {16.0f, 20.0f, 500.0f};
+  std::ranges::copy(away_m, cloud.x_m().begin());
+  std::array<float, 3> gained{};
+  measurement.weigh(cloud, gained);
+  EXPECT_FLOAT_EQ(gained[0], -4.5f);  // 3 sigma: 9 / 2
+  EXPECT_FLOAT_EQ(gained[1], -8.0f);
+  EXPECT_FLOAT_EQ(gained[2], -8.0f);
 }
 
 TEST(RangeMeasurement, KeepsThirtyTwoAtMost) {

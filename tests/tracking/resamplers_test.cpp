@@ -68,6 +68,24 @@ INSTANTIATE_TEST_SUITE_P(All, UnbiasedResampler,
                                          std::make_shared<ResidualResampler>(),
                                          std::make_shared<PerturbingResampler>(PerturbingSettings{0.0, 1.0})));
 
+// Half of the weight on one of 100 particles: independent draws take it 50 times, give or take 5 = sqrt(N w (1 - w)).
+TEST(MultinomialResampler, DrawsEachParticleIndependently) {
+  constexpr int kRuns = 4000;
+  Random random(5);
+  double squares = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    ParticleCloud cloud(100, 0);
+    for (std::size_t i = 0; i < 100; ++i) {
+      cloud.x_m()[i] = static_cast<float>(i);
+      cloud.log_weight()[i] = std::log(i == 40 ? 99.0f : 1.0f);
+    }
+    cloud.normalise();
+    MultinomialResampler{}.resample(cloud, random);
+    squares += std::pow(count_of(cloud, 40.0f) - 50.0, 2);
+  }
+  EXPECT_NEAR(squares / kRuns, 25.0, 5.0 * 25.0 * std::sqrt(2.0 / kRuns));
+}
+
 TEST(SystematicResampler, TakesFloorOrCeilingOfEachShare) {
   Random random(7);
   ParticleCloud cloud = wedge(20);
@@ -114,13 +132,17 @@ TEST(PerturbingResampler, MovesItsShareOfTheParticles) {
   ParticleCloud cloud(10000, 0);
   cloud.normalise();
   PerturbingResampler({0.3, 2.0}).resample(cloud, random);
-  double moved = 0, squares = 0;
-  for (const float x : cloud.x_m()) {
-    moved += x != 0.0f;
-    squares += static_cast<double>(x * x);
+  double moved = 0, xx = 0, xy = 0, yy = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto x = static_cast<double>(cloud.x_m()[i]), y = static_cast<double>(cloud.y_m()[i]);
+    EXPECT_EQ(x != 0.0, y != 0.0);
+    moved += x != 0.0;
+    xx += x * x, xy += x * y, yy += y * y;
   }
   EXPECT_NEAR(moved / 10000, 0.3, 0.025);        // five sigmas of a share of 0.3 among 10,000
-  EXPECT_NEAR(squares / moved, 4.0, 0.6);
+  EXPECT_NEAR(xx / moved, 4.0, 0.6);
+  EXPECT_NEAR(yy / moved, 4.0, 0.6);
+  EXPECT_NEAR(xy / moved, 0.0, 0.4);
 }
 
 }  // namespace
