@@ -264,6 +264,26 @@ TEST(Corrector, IsTrainedOnTheSurveysWalksAndStoredWithItsProvenance) {
   EXPECT_EQ(one->position(at(30)), two->position(at(30)));
 }
 
+TEST(Corrector, IsAddedToWhatTheFilterSays) {
+  const auto site = walked_site();
+  PipelineSpec plain = *preset("p4");
+  plain.parts.erase("corrector");
+  const auto factory = *assemble(*preset("p4"), site);
+  const auto corrector = *Corrector::parse(factory->learnt());
+  const auto corrected = factory->make_tracker(Random(1)), bare = (*assemble(plain, site))->make_tracker(Random(1));
+  double most_m = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    for (Tracker* each : {corrected.get(), bare.get()}) each->feed(hall().scan_at({2.0 + 1.3 * i, 3.5}, at(1.0 + i)));
+    const auto inputs = dynamic_cast<const FusionTracker&>(*corrected).newest_correction_inputs();
+    if (!inputs) continue;
+    const BuildingPoint from = bare->position(at(1.0 + i))->place.point, to = corrected->position(at(1.0 + i))->place.point;
+    EXPECT_NEAR(to.x_m - from.x_m, corrector.x(*inputs), 1e-9);
+    EXPECT_NEAR(to.y_m - from.y_m, corrector.y(*inputs), 1e-9);
+    most_m = std::max(most_m, distance_m(from, to));
+  }
+  EXPECT_GT(most_m, 0.2) << "it never had anything to correct";
+}
+
 TEST(Corrector, SaysSoWhenThereIsNone) {
   const auto factory = *assemble(*preset("p4"), hall_site());
   ASSERT_EQ(factory->remarks().size(), 1u);
