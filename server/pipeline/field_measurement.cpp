@@ -11,10 +11,11 @@ void FieldMeasurement::weigh(const ParticleCloud& cloud, std::span<float> log_we
   scratch_.y_m.resize(size);
   scratch_.log_likelihood.assign(size, 0.0f);
   const auto dx = static_cast<float>(carried_.x_m), dy = static_cast<float>(carried_.y_m);
-  const bool biased = cloud.has(ParticleCloud::kHeadingBias);
+  const bool biased = cloud.has(ParticleCloud::kHeadingBias), scaled = cloud.has(ParticleCloud::kStrideScale);
   for (std::size_t i = 0; i < size; ++i) {
-    const float c = biased ? std::cos(cloud.heading_bias_rad()[i]) : 1.0f;
-    const float s = biased ? std::sin(cloud.heading_bias_rad()[i]) : 0.0f;
+    const float stride = scaled ? cloud.stride_scale()[i] : 1.0f;
+    const float c = stride * (biased ? std::cos(cloud.heading_bias_rad()[i]) : 1.0f);
+    const float s = stride * (biased ? std::sin(cloud.heading_bias_rad()[i]) : 0.0f);
     scratch_.x_m[i] = cloud.x_m()[i] - (c * dx - s * dy);
     scratch_.y_m[i] = cloud.y_m()[i] - (s * dx + c * dy);
   }

@@ -16,8 +16,8 @@ struct FieldScratch {
 
 /// A locator's likelihood of its newest scan, looked up where each particle was when the scan was heard.
 ///
-/// A particle weighs log(exp(weight (l - best)) + outlier): one wrong scan cannot kill it. Particles that carry a heading error of
-/// their own went `carried` turned by it. Particles only: there is no Gaussian form.
+/// A particle weighs log(exp(weight (l - best)) + outlier): one wrong scan cannot kill it. Particles that carry a heading error or a
+/// stride of their own went `carried` turned and stretched by it. Particles only: there is no Gaussian form.
 class FieldMeasurement final : public MeasurementModel {
  public:
   FieldMeasurement(const Locator& locator, FloorOrdinal floor, BuildingPoint carried, double weight, double outlier,
