@@ -63,6 +63,102 @@ class RadioFieldCorridor : public testing::Test {
   std::unique_ptr<Locator> locator_;
 };
 
+// The formula of radio_field.hpp written down plainly, in doubles: one node of one distance.
+//   L = 1/b log((sum K e^{-b (d - m)} + n) / (sum K + n)),  K = e^{-(r^2 - n^2) / 2 h^2 - n^2 / 2 B^2},  down to a hundredth of the nearest's
+struct PlainField {
+  const RadioField& field;
+  const RadioField::Storey& storey;
+  std::vector<double> sorensen, cosine;  // a fingerprint: the scan's distances
+
+  PlainField(const RadioField& of, const RadioField::Storey& on, const std::vector<RadioStrength>& heard, double sum, double squares) : field(of), storey(on) {
+    for (const SurveyFingerprint& there : field.fingerprints()) {
+      double common = 0.0, product = 0.0, their_sum = 0.0, their_squares = 0.0;
+      for (const RadioStrength& theirs : there.heard) {
+        const auto strength = static_cast<double>(theirs.strength);
+        their_sum += strength, their_squares += strength * strength;
+        for (const RadioStrength& ours : heard) {
+          if (ours.radio != theirs.radio) continue;
+          common += std::min(static_cast<double>(ours.strength), strength);
+          product += static_cast<double>(ours.strength) * strength;
+        }
+      }
+      sorensen.push_back(1.0 - 2.0 * common / (sum + their_sum));
+      cosine.push_back(1.0 - product / std::sqrt(squares * their_squares));
+    }
+  }
+
+  double level(BuildingPoint node, const std::vector<double>& distances, double middle, double sharpness, int without_walk) const {
+    const double h = field.weights().bandwidth_m, beyond = field.settings().beyond_m;
+    double nearest2 = INFINITY;
+    const auto square = [&](std::uint32_t i) { return std::pow(distance_m(field.fingerprints()[i].place.point, node), 2); };
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) nearest2 = std::min(nearest2, square(i));
+    double above = field.settings().neutral, below = field.settings().neutral;
+    for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
+      if (nearest2 > 4.0 * beyond * beyond || square(i) - nearest2 >= -2.0 * std::log(0.01) * h * h) continue;
+      if (field.fingerprints()[i].walk == without_walk) continue;
+      const double kernel = std::exp(-(square(i) - nearest2) / (2.0 * h * h) - nearest2 / (2.0 * beyond * beyond));
+      above += kernel * std::exp(-sharpness * (distances[i] - middle));
+      below += kernel;
+    }
+    return std::log(above / below) / sharpness;
+  }
+  BuildingPoint node_at(int column, int row) const {
+    return {static_cast<double>(storey.x_m) + 2.0 * column, static_cast<double>(storey.y_m) + 2.0 * row};
+  }
+  std::pair<double, double> pair_at(int column, int row, int without_walk = -1) const {
+    const RadioFieldSettings& s = field.settings();
+    return {level(node_at(column, row), sorensen, static_cast<double>(storey.sorensen_middle), s.sorensen_sharpness, without_walk),
+            level(node_at(column, row), cosine, static_cast<double>(storey.cosine_middle), s.cosine_sharpness, without_walk)};
+  }
+  double log_likelihood_at(int column, int row) const {
+    const auto [by_sorensen, by_cosine] = pair_at(column, row);
+    return field.weights().sorensen * by_sorensen + field.weights().cosine * by_cosine;
+  }
+};
+
+TEST_F(RadioFieldCorridor, IsTheFormulaOfItsHeader) {
+  RssScan scan = scan_at(13.0, 0, -12.0);  // nothing so loud that it is looked at apart
+  for (std::size_t i = 0; i < scan.readings.size(); ++i) scan.readings[i].age = from_seconds(0.4 * static_cast<double>(i));
+  scan.readings.push_back(reading(9, 9, -80.0));  // on no map
+  std::vector<RadioStrength> heard;
+  double sum = 0.0, squares = 0.0, ages = 0.0;
+  for (const ScanReading& each : scan.readings) {
+    const ReadingStrength& of = field_->settings().strength;
+    const double faded = std::exp(-std::max(0.0, seconds(each.age) - of.fresh_s) / of.fade_s);
+    const double strength = std::pow((each.rss_dbm + 100.0) / 100.0, of.power) * faded;
+    sum += strength, squares += strength * strength, ages += strength * seconds(each.age);
+    if (const auto radio = field_->radios().find(RadioNames::key(each))) heard.push_back({*radio, static_cast<float>(strength)});
+  }
+  ASSERT_EQ(heard.size() + 1, scan.readings.size());
+  ASSERT_TRUE(locator_->locate(scan));
+  EXPECT_NEAR(seconds(locator_->heard_before()), ages / sum - field_->weights().delay_s, 1e-5);
+
+  const RadioField::Storey& storey = field_->storeys()[0];
+  const PlainField plain(*field_, storey, heard, sum, squares);
+  const auto scratch = field_->borrow();
+  field_->match(heard, static_cast<float>(sum), static_cast<float>(std::sqrt(squares)), *scratch);
+  field_->expose(storey, *scratch);
+  for (int row = 0; row < storey.rows; row += 3) {
+    for (int column = 0; column < storey.columns; ++column) {
+      const std::uint32_t number = storey.first_node + static_cast<std::uint32_t>(row * storey.columns + column);
+      for (const int without_walk : {-1, 2}) {
+        const auto [by_sorensen, by_cosine] = plain.pair_at(column, row, without_walk);
+        const RadioField::Pair pair = field_->node(number, *scratch, without_walk);
+        ASSERT_NEAR(pair.sorensen, by_sorensen, 2e-5) << column << " " << row;
+        ASSERT_NEAR(pair.cosine, by_cosine, 2e-5) << column << " " << row;
+      }
+    }
+  }
+  // Between four nodes: in proportion to how near each of them is.
+  for (const auto& [right, up] : {std::pair{0.0, 0.0}, {0.25, 0.0}, {0.0, 0.75}, {0.7, 0.2}}) {
+    const int column = storey.columns / 3, row = storey.rows / 2;
+    const BuildingPoint corner = plain.node_at(column, row);
+    const double expected = (1 - up) * ((1 - right) * plain.log_likelihood_at(column, row) + right * plain.log_likelihood_at(column + 1, row)) +
+                            up * ((1 - right) * plain.log_likelihood_at(column, row + 1) + right * plain.log_likelihood_at(column + 1, row + 1));
+    EXPECT_NEAR(likelihood(static_cast<float>(corner.x_m + 2.0 * right), static_cast<float>(corner.y_m + 2.0 * up), 0), expected, 1e-3) << right << " " << up;
+  }
+}
+
 TEST_F(RadioFieldCorridor, FindsTheFloorAndThePlace) {
   const auto fix = locator_->locate(scan_at(20.0, 1));
   ASSERT_TRUE(fix);
