@@ -27,7 +27,8 @@ struct PerturbingSettings {
   double sigma_m = 1.0;   ///< of the move, on each axis
 };
 
-/// Systematic, then a random offset to a share of the particles: the improved SIR of [P3], best at 30 %.
+/// Systematic, then a random offset to a share of the particles: the improved SIR of [P3], best at 30 %. On top of this resampler only
+/// (README, Decisions).
 class PerturbingResampler final : public Resampler {
  public:
   explicit PerturbingResampler(const PerturbingSettings& settings) : settings_(settings) {}
