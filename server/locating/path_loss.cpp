@@ -5,12 +5,15 @@
 #include <limits>
 #include <map>
 
+#include "server/locating/locator.hpp"
+
 namespace wayfuse {
 namespace {
 
 constexpr double kLeastDistanceM = 1.0;   // the law's own reference distance
 constexpr double kMostDistanceM = 1000.0;
 constexpr std::size_t kMostPoints = 200;  // the loudest place a transmitter; more only cost time
+constexpr double kVoteDb = 6.0;
 constexpr int kGrid = 24;                 // cells a side of the first search
 
 struct Sample {
@@ -102,6 +105,22 @@ double PathLoss::level_dbm(double distance_m) const {
 
 double PathLoss::distance_m(double rss_dbm, double with_exponent) const {
   return std::min(std::pow(10.0, (at_1m_dbm - rss_dbm) / (10.0 * with_exponent)), kMostDistanceM);
+}
+
+void vote_for_floors(std::span<const KnownScan::Level> levels, std::span<const std::optional<PathLoss>> laws, std::vector<FloorProbability>& votes) {
+  votes.clear();
+  const float loudest = std::ranges::max(levels, {}, &KnownScan::Level::rss_dbm).rss_dbm;
+  double sum = 0.0;
+  for (const auto& level : levels) {
+    const FloorOrdinal floor = laws[level.transmitter]->transmitter.floor;
+    auto found = std::ranges::find(votes, floor, &FloorProbability::floor);
+    if (found == votes.end()) found = votes.insert(votes.end(), FloorProbability{floor, 0.0});
+    const double voice = std::exp(static_cast<double>(level.rss_dbm - loudest) / kVoteDb);
+    found->probability += voice;
+    sum += voice;
+  }
+  for (auto& each : votes) each.probability /= sum;
+  most_probable_first(votes);
 }
 
 std::vector<std::optional<PathLoss>> fit_path_loss(const RadioMap& map) {

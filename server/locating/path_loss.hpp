@@ -1,9 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/locating/radio_map.hpp"
+#include "wayfuse/proto/fix.hpp"
 
 namespace wayfuse {
 
@@ -24,6 +26,10 @@ struct PathLoss {
 /// Place, level and exponent of every transmitter, by least squares over the fingerprints that heard it on the floor where it is
 /// loudest. Absent for one heard at fewer than 4 places there, or only along a line too short to place it.
 std::vector<std::optional<PathLoss>> fit_path_loss(const RadioMap& map);
+
+/// What the transmitters of a scan say about the floor: each speaks for its own, e times louder for every 6 dB that it is heard louder.
+/// Probabilities, descending. `levels` holds at least one, and no transmitter without a law.
+void vote_for_floors(std::span<const KnownScan::Level> levels, std::span<const std::optional<PathLoss>> laws, std::vector<FloorProbability>& votes);
 
 inline constexpr double kLeastExponent = 1.0;
 inline constexpr double kMostExponent = 6.0;

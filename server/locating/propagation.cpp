@@ -24,27 +24,11 @@ class PropagationLocator final : public Locator {
     std::ranges::sort(scan_.levels, [](const auto& a, const auto& b) {
       return a.rss_dbm != b.rss_dbm ? a.rss_dbm > b.rss_dbm : a.transmitter < b.transmitter;
     });
-    vote();
+    vote_for_floors(scan_.levels, model_.laws(), floors_);
     return search(floors_.front().floor);
   }
 
  private:
-  void vote() {
-    floors_.clear();
-    double sum = 0.0;
-    for (const auto& ground : model_.grounds()) {
-      double voice = 0.0;
-      for (const auto& level : scan_.levels) {
-        if (model_.laws()[level.transmitter]->transmitter.floor != ground.floor) continue;
-        voice += std::exp(static_cast<double>(level.rss_dbm - scan_.levels.front().rss_dbm) / 6.0);
-      }
-      if (voice > 0.0) floors_.push_back({ground.floor, voice});
-      sum += voice;
-    }
-    for (auto& each : floors_) each.probability /= sum;
-    most_probable_first(floors_);
-  }
-
   std::optional<Fix> search(FloorOrdinal floor) const {
     const auto& ground = *std::ranges::find(model_.grounds(), floor, &Propagation::Ground::floor);
     double least = std::numeric_limits<double>::infinity();

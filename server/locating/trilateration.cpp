@@ -8,7 +8,6 @@ namespace wayfuse {
 namespace {
 constexpr double kTeachesFromM = 2.0;    // log10(d) nears 0 at 1 m: a decimetre there would turn the exponent over
 constexpr double kLeastRangeSigmaM = 0.3;
-constexpr double kVoteDb = 6.0;          // how much louder a transmitter must be to speak e times louder for its floor
 }  // namespace
 
 Trilateration::Trilateration(std::shared_ptr<const RadioMap> map, const TrilaterationSettings& settings)
@@ -32,7 +31,7 @@ std::optional<Fix> TrilaterationLocator::locate(const RssScan& scan) {
   known_ = static_cast<int>(scan_.levels.size());
   ranges_.clear();
   if (scan_.levels.empty()) return std::nullopt;
-  vote();
+  vote_for_floors(scan_.levels, model_.laws(), floors_);
   const FloorOrdinal floor = floors_.front().floor;
   measure(scan, floor);
   const auto point = solve();
@@ -54,22 +53,6 @@ bool TrilaterationLocator::within_reach(BuildingPoint point, FloorOrdinal floor)
   const double beyond_m = model_.settings().beyond_m;
   return point.x_m >= least_x_m - beyond_m && point.x_m <= most_x_m + beyond_m && point.y_m >= least_y_m - beyond_m &&
          point.y_m <= most_y_m + beyond_m;
-}
-
-void TrilaterationLocator::vote() {
-  floors_.clear();
-  const float loudest = std::ranges::max(scan_.levels, {}, &KnownScan::Level::rss_dbm).rss_dbm;
-  double sum = 0.0;
-  for (const auto& level : scan_.levels) {
-    const FloorOrdinal floor = model_.laws()[level.transmitter]->transmitter.floor;
-    auto found = std::ranges::find(floors_, floor, &FloorProbability::floor);
-    if (found == floors_.end()) found = floors_.insert(floors_.end(), FloorProbability{floor, 0.0});
-    const double voice = std::exp(static_cast<double>(level.rss_dbm - loudest) / kVoteDb);
-    found->probability += voice;
-    sum += voice;
-  }
-  for (auto& each : floors_) each.probability /= sum;
-  most_probable_first(floors_);
 }
 
 void TrilaterationLocator::measure(const RssScan& scan, FloorOrdinal floor) {

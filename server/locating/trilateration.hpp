@@ -61,7 +61,6 @@ class TrilaterationLocator final : public Locator {
   std::span<const double> exponents() const { return exponents_; }
 
  private:
-  void vote();
   void measure(const RssScan& scan, FloorOrdinal floor);
   std::optional<BuildingPoint> solve() const;
   bool within_reach(BuildingPoint point, FloorOrdinal floor) const;
