@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "server/locating/mean_of_smallest.hpp"
+
 namespace wayfuse {
 namespace {
 
@@ -49,12 +51,7 @@ float least_distance(const RadioField& field, const RadioField::Storey& storey, 
   for (std::uint32_t i = storey.begin; i < storey.end; ++i) {
     if (field.fingerprints()[i].walk != without_walk) distances.push_back(scratch.sorensen[i]);
   }
-  const std::size_t count = std::min(kFieldVoters, distances.size());
-  if (count == 0) return 1.0f;
-  std::ranges::partial_sort(distances, distances.begin() + static_cast<std::ptrdiff_t>(count));
-  float sum = 0.0f;
-  for (std::size_t i = 0; i < count; ++i) sum += distances[i];
-  return sum / static_cast<float>(count);
+  return distances.empty() ? 1.0f : mean_of_smallest<kFieldVoters>(distances);
 }
 
 // Ascending. A lattice spans whatever was surveyed: one place a thousand kilometres off, and nearly all of it is empty.
@@ -294,12 +291,8 @@ Learnt learn_weights(const RadioField& field, std::size_t most_queries) {
   }
   if (questions.size() < kFewestQuestions) return {learnt, fit};
   if (loudness.size() >= kFewestQuestions) learnt.loudness = quantile(loudness, 0.5);
-  std::vector<double> errors_m, distances;
-  for (const Question& question : questions) {
-    errors_m.push_back(distance_m(error(question, weight, INFINITY), {}));
-    distances.push_back(static_cast<double>(question.least_distance));
-  }
-  learnt.resolution_m = std::clamp(quantile(errors_m, 0.68), 0.5, 50.0);
+  std::vector<double> distances;
+  for (const Question& question : questions) distances.push_back(static_cast<double>(question.least_distance));
   learnt.usual_distance = std::max(0.02, quantile(distances, 0.5));
   return {learnt, std::move(fit)};
 }

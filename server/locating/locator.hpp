@@ -46,7 +46,7 @@ class Locator {
   /// Horizontal distances, where the locator works with them (`ranges` measurement).
   virtual std::span<const TransmitterRange> ranges() const { return {}; }
 
-  /// Whether log_likelihood() answers (`field` measurement).
+  /// Whether add_log_likelihood() answers (`field` measurement); the locator's row says the same.
   virtual bool has_likelihood() const { return false; }
   /// Adds log p(scan | point) on `floor`, up to a constant of the scan, to `log_likelihood`. All spans have the same length.
   virtual void add_log_likelihood(std::span<const float> /*x_m*/, std::span<const float> /*y_m*/, FloorOrdinal /*floor*/,
@@ -61,8 +61,6 @@ class Locator {
   /// How much worse the newest scan fits its best fingerprints than the survey's own scans fit another walk's: 1 = as usual,
   /// more where nobody surveyed, or where somebody plays tricks.
   virtual double mismatch() const { return 1.0; }
-  /// Error of a typical scan taken alone, as the survey shows it: what the locator can resolve in this building. 0 = unknown.
-  virtual double resolution_m() const { return 0.0; }
   /// Strong readings of the newest scan that nobody heard, or hardly, when surveying around `point` [SAFETY C26].
   virtual int implausible(FloorOrdinal /*floor*/, BuildingPoint /*point*/) const { return 0; }
   /// Of those, what honest radios do not explain: the rest of the scan denies them, or nobody ever surveyed them, or the scan fits

@@ -16,10 +16,9 @@ namespace wayfuse {
 struct FieldWeights {
   double sorensen = 22.0;          ///< weight of the Sorensen field in the log-likelihood
   double cosine = 12.0;            ///< of the cosine field: what carries a phone with another gain
-  double bandwidth_m = 3.5;        ///< of the kernel that spreads a fingerprint over its surroundings
+  double bandwidth_m = 3.5;        ///< of the kernel that spreads a fingerprint over its surroundings; fixed (server/pipeline, Decisions: 2.8 to 5 m)
   double delay_s = 1.5;            ///< how much later than its stamp a reading belongs
   double usual_distance = 0.35;    ///< mean of a scan's smallest Sorensen distances to another walk's fingerprints, median
-  double resolution_m = 5.0;       ///< error that 68 % of single scans stay below
   double loudness = 0.0;           ///< RadioField::loudness of the survey's own scans, median
 };
 constexpr std::size_t kFieldVoters = 8;  ///< fingerprints that say how well a scan fits, the nearest in signal space

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numeric>
+
+#include "server/locating/mean_of_smallest.hpp"
 
 namespace wayfuse {
 namespace {
@@ -24,21 +24,6 @@ constexpr double kMostOffset_db = 12.0;
 constexpr double kScanSigma_db = 8.0;      // of one scan's loudness; those of one walk err together
 constexpr float kTogetherS = 0.5f;       // members of one radio heard within this are averaged
 constexpr std::size_t kFloorVoters = 3;  // fingerprints that speak for a floor
-
-/// Of all of them where there are fewer.
-template <std::size_t kCount>
-float mean_of_smallest(std::span<const float> distances) {
-  std::array<float, kCount> smallest;
-  smallest.fill(std::numeric_limits<float>::infinity());
-  for (const float distance : distances) {
-    if (distance >= smallest.back()) continue;
-    std::size_t at = kCount - 1;
-    for (; at > 0 && smallest[at - 1] > distance; --at) smallest[at] = smallest[at - 1];
-    smallest[at] = distance;
-  }
-  const auto count = static_cast<std::ptrdiff_t>(std::min(kCount, distances.size()));
-  return std::accumulate(smallest.begin(), smallest.begin() + count, 0.0f) / static_cast<float>(count);
-}
 
 }  // namespace
 

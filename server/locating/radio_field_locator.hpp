@@ -28,7 +28,6 @@ class RadioFieldLocator final : public Locator {
   bool draw(FloorOrdinal floor, Random& random, std::span<float> x_m, std::span<float> y_m) override;
   Duration heard_before() const override { return heard_before_; }
   double mismatch() const override { return mismatch_; }
-  double resolution_m() const override { return field_->weights().resolution_m; }
   int implausible(FloorOrdinal floor, BuildingPoint point) const override;
   int out_of_place(FloorOrdinal floor, BuildingPoint point) const override;
   std::optional<double> misfit(FloorOrdinal floor, BuildingPoint point) const override;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "server/locating/catalogue.hpp"
@@ -46,6 +47,12 @@ class Assembly {
 template <typename Rows>
 const auto& row_of(const Rows& rows, const std::string& name) {
   return *std::ranges::find_if(rows, [&](const auto& row) { return row.description.name == name; });
+}
+
+std::shared_ptr<const LocatorModel> prepared(const LocatorRow& row, const LocatingSite& site, const PartSettings& settings) {
+  auto model = row.prepare(site, settings);
+  assert(model->make()->has_likelihood() == row.gives_likelihood);
+  return model;
 }
 
 BuildingPoint frame_origin(const Site& site) {
@@ -214,8 +221,7 @@ std::shared_ptr<PipelineParts> prepare(const Assembly& spec, std::shared_ptr<con
   const Framed framed(*site, parts->origin);
   parts->map = RadioMap::build(framed.survey);
   if (const Chosen locator = spec.chosen("locator"); locator.part != "none") {
-    parts->locator =
-        row_of(locator_catalogue(), locator.part).prepare({parts->map, framed.survey, framed.floors}, locator.settings);
+    parts->locator = prepared(row_of(locator_catalogue(), locator.part), {parts->map, framed.survey, framed.floors}, locator.settings);
   }
   const Chosen motion = spec.chosen("motion");
   parts->motion = row_of(motion_model_catalogue(), motion.part).make(motion.settings);
@@ -282,7 +288,7 @@ Result<std::shared_ptr<const TrackerFactory>> assemble_walkers(const PipelineSpe
   const Framed framed(*site, parts->origin);
   const auto map = RadioMap::build(framed.survey);
   parts->empty_map = map->empty();
-  parts->locator = row.prepare({map, framed.survey, framed.floors}, locator.settings);
+  parts->locator = prepared(row, {map, framed.survey, framed.floors}, locator.settings);
   std::vector<Place> trodden;
   for (const ReferencePoint& point : framed.survey) {
     if (std::isfinite(point.place.point.x_m) && std::isfinite(point.place.point.y_m)) trodden.push_back(point.place);

@@ -358,7 +358,6 @@ TEST(RadioField, LearnsFromWalksLeavingEachOut) {
   const auto survey = corridor();
   const RadioField field(survey, RadioFieldSettings{});
   EXPECT_GT(field.weights().sorensen, 1.0);
-  EXPECT_LT(field.weights().resolution_m, 10.0);  // the corridor tells its places apart
 }
 
 TEST(SurveyFingerprints, AHotSpotThatPassedByIsNoRadio) {
