@@ -295,7 +295,7 @@ TEST_F(SiteFolder, TheOutlineIsFoundHoweverItIsDrawn) {
 TEST_F(SiteFolder, TheScaleIsTheWidthsUnlessItCannotBe) {
   write("F1/geojson_map.json", square_map(0.0));  // 111.3 m by its latitude
   const auto walk_to = [&](const std::string& end) { write("F1/path_data_files/w.txt", "1\tTYPE_WAYPOINT\t10\t20\n2\tTYPE_WAYPOINT\t" + end + "\n"); };
-  const auto width = [&](const std::string& info) {
+  const auto wide_m = [&](const std::string& info) {
     write("F1/floor_info.json", info);
     const Polygon outline = read_site(folder_.string(), {}).value().floors.at(0).outline;
     return outline.rings.empty() ? 0.0 : outline.rings[0].at(1).x_m;
@@ -304,18 +304,18 @@ TEST_F(SiteFolder, TheScaleIsTheWidthsUnlessItCannotBe) {
   const auto info = [](const char* width, const char* height) {
     return std::string(R"({"map_info":{"height":)") + height + R"(,"width":)" + width + "}}";
   };
-  EXPECT_NEAR(width(info("110", "110")), 110, 0.01);
-  EXPECT_NEAR(width(info("\"110.0\"", "\"110.0\"")), 110, 0.01) << "as text";
-  EXPECT_NEAR(width(R"({"height":110,"width":110})"), 110, 0.01) << "without map_info";
-  EXPECT_NEAR(width(info("150", "80")), 111.3, 0.1) << "other proportions than the outline's";
-  EXPECT_NEAR(width(info("15000", "15000")), 111.3, 0.1) << "centimetres: the walk would be lost in it";
-  EXPECT_NEAR(width(info("60", "60")), 111.3, 0.1) << "way points outside";
-  EXPECT_NEAR(width(info("null", "0")), 111.3, 0.1);
-  EXPECT_NEAR(width("[]"), 111.3, 0.1);
-  EXPECT_NEAR(width(""), 111.3, 0.1);
+  EXPECT_NEAR(wide_m(info("110", "110")), 110, 0.01);
+  EXPECT_NEAR(wide_m(info("\"110.0\"", "\"110.0\"")), 110, 0.01) << "as text";
+  EXPECT_NEAR(wide_m(R"({"height":110,"width":110})"), 110, 0.01) << "without map_info";
+  EXPECT_NEAR(wide_m(info("150", "80")), 111.3, 0.1) << "other proportions than the outline's";
+  EXPECT_NEAR(wide_m(info("15000", "15000")), 111.3, 0.1) << "centimetres: the walk would be lost in it";
+  EXPECT_NEAR(wide_m(info("60", "60")), 111.3, 0.1) << "way points outside";
+  EXPECT_NEAR(wide_m(info("null", "0")), 111.3, 0.1);
+  EXPECT_NEAR(wide_m("[]"), 111.3, 0.1);
+  EXPECT_NEAR(wide_m(""), 111.3, 0.1);
   walk_to("140\t140");
-  EXPECT_NEAR(width(info("150", "150")), 150, 0.01) << "the way points say so";
-  EXPECT_EQ(width(info("60", "60")), 0.0) << "outside at either scale";
+  EXPECT_NEAR(wide_m(info("150", "150")), 150, 0.01) << "the way points say so";
+  EXPECT_EQ(wide_m(info("60", "60")), 0.0) << "outside at either scale";
 }
 
 TEST_F(SiteFolder, AWalkOnTwoFloorsIsReadOnceAndHiddenFilesNever) {

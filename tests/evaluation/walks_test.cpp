@@ -9,6 +9,7 @@
 #include "tests/evaluation/datasets/split.hpp"
 #include "tests/evaluation/svg_chart.hpp"
 #include "tests/evaluation/walks/measured.hpp"
+#include "tests/evaluation/walks/replay.hpp"
 #include "tests/evaluation/walks/selection.hpp"
 #include "tests/evaluation/walks/survey_cover.hpp"
 #include "tests/evaluation/walks/walk_score.hpp"
