@@ -95,7 +95,8 @@ std::string track_mark(const Paper& paper, const PlanTrack& track) {
   for (const BuildingPoint p : track.points) points += paper.at(p) + " ";
   if (track.joined) {
     svg = "<polyline fill=\"none\" stroke=\"" + track.colour + "\" stroke-width=\"" + brief(width) +
-          "\" stroke-opacity=\"" + brief(track.opacity) + "\" stroke-linejoin=\"round\" stroke-linecap=\"round\" points=\"" + points + "\"/>\n";
+          "\" stroke-opacity=\"" + brief(track.opacity) + "\" stroke-linejoin=\"round\"" +
+          (track.dashed ? " stroke-dasharray=\"7 5\"" : " stroke-linecap=\"round\"") + " points=\"" + points + "\"/>\n";
   }
   if (track.dots) {
     for (const BuildingPoint p : track.points) {

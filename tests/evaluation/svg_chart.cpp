@@ -49,10 +49,18 @@ std::string polyline(const std::string& points, std::string_view colour, bool da
          "\" stroke-linejoin=\"round\"" + (dashed ? " stroke-dasharray=\"6 4\"" : "") + " points=\"" + points + "\"/>\n";
 }
 
+struct Entry {
+  std::string name;
+  std::string colour;
+  bool dashed;
+};
+
+std::string colour_of(const std::string& own, std::size_t place) { return own.empty() ? std::string(series_colour(place)) : own; }
+
 // A box of names in the lower right corner, or upper right.
-std::string legend(const std::vector<std::pair<std::string, bool>>& names, bool at_the_top) {
+std::string legend(const std::vector<Entry>& names, bool at_the_top) {
   std::size_t longest = 0;
-  for (const auto& [name, _] : names) longest = std::max(longest, name.size());
+  for (const Entry& entry : names) longest = std::max(longest, entry.name.size());
   const double width = 52.0 + 7.4 * static_cast<double>(longest);
   const double height = 12.0 + 19.0 * static_cast<double>(names.size());
   const double left = kRight - width - 8;
@@ -61,8 +69,8 @@ std::string legend(const std::vector<std::pair<std::string, bool>>& names, bool 
                     brief(height) + "\" fill=\"#fff\" fill-opacity=\"0.9\" stroke=\"#bbb\"/>\n";
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double y = top + 17.0 + 19.0 * static_cast<double>(i);
-    svg += svg_line(left + 8, y - 4, left + 34, y - 4, series_colour(i), 3, names[i].second ? "stroke-dasharray=\"6 4\"" : "");
-    svg += svg_words(left + 42, y, names[i].first, "start", 12);
+    svg += svg_line(left + 8, y - 4, left + 34, y - 4, names[i].colour, 3, names[i].dashed ? "stroke-dasharray=\"6 4\"" : "");
+    svg += svg_words(left + 42, y, names[i].name, "start", 12);
   }
   return svg;
 }
@@ -78,7 +86,8 @@ std::string_view series_colour(std::size_t index) {
 std::string distribution_chart(const ChartText& text, const std::vector<ValueSeries>& series, double x_most) {
   const Plane plane(0.0, x_most, 0.0, 1.0);
   std::string svg = plane.grid(text, round_step(x_most, 10), 0.1, 100.0, " %");
-  std::vector<std::pair<std::string, bool>> names;
+  std::vector<Entry> names;
+  const bool told = std::ranges::any_of(series, &ValueSeries::thick);
   for (std::size_t s = 0; s < series.size(); ++s) {
     std::vector<double> values = series[s].values;
     std::sort(values.begin(), values.end());
@@ -89,8 +98,10 @@ std::string distribution_chart(const ChartText& text, const std::vector<ValueSer
       const auto below = std::upper_bound(values.begin(), values.end(), x) - values.begin();
       points += brief(plane.x(x)) + "," + brief(plane.y(static_cast<double>(below) / static_cast<double>(values.size()))) + " ";
     }
-    svg += polyline(points, series_colour(s), false, s + 1 == series.size() ? 3.5 : 2.0);  // the last is what it is about
-    names.emplace_back(series[s].name, false);
+    const bool thick = told ? series[s].thick : s + 1 == series.size();
+    const Entry entry{series[s].name, colour_of(series[s].colour, s), series[s].dashed};
+    svg += polyline(points, entry.colour, entry.dashed, thick ? 3.5 : 2.0);
+    names.push_back(entry);
   }
   return svg + legend(names, false) + "</svg>\n";
 }
@@ -111,16 +122,17 @@ std::string line_chart(const ChartText& text, const std::vector<LineSeries>& ser
   const double span = (y_high - y_least) / std::max(0.5, above_legend);
   const Plane plane(x_low, x_high, y_least, y_least + span);
   std::string svg = plane.grid(text, round_step(x_high - x_low, 10), round_step(span, 8), 1.0, "");
-  std::vector<std::pair<std::string, bool>> names;
+  std::vector<Entry> names;
   for (std::size_t s = 0; s < series.size(); ++s) {
+    const Entry entry{series[s].name, colour_of(series[s].colour, s), series[s].dashed};
     std::string points;
     for (const auto& p : series[s].points) {
       points += brief(plane.x(p.x)) + "," + brief(plane.y(p.y)) + " ";
       if (p.high > p.low)
-        svg += svg_line(plane.x(p.x), plane.y(p.low), plane.x(p.x), plane.y(p.high), series_colour(s), 1, "opacity=\"0.6\"");
+        svg += svg_line(plane.x(p.x), plane.y(p.low), plane.x(p.x), plane.y(p.high), entry.colour, 1, "opacity=\"0.6\"");
     }
-    svg += polyline(points, series_colour(s), series[s].dashed);
-    names.emplace_back(series[s].name, series[s].dashed);
+    svg += polyline(points, entry.colour, entry.dashed, series[s].thick ? 3.5 : 2.0);
+    names.push_back(entry);
   }
   return svg + legend(names, true) + "</svg>\n";
 }

@@ -14,6 +14,9 @@ std::string_view series_colour(std::size_t index);
 struct ValueSeries {
   std::string name;
   std::vector<double> values;
+  std::string colour = {};  ///< empty: by its place in the list
+  bool dashed = false;
+  bool thick = false;       ///< what the chart is about; without any, the last
 };
 
 struct ChartText {
@@ -36,6 +39,8 @@ struct LineSeries {
   std::string name;
   std::vector<Point> points;
   bool dashed = false;
+  std::string colour = {};  ///< empty: by its place in the list
+  bool thick = false;       ///< what the chart is about
 };
 std::string line_chart(const ChartText& text, const std::vector<LineSeries>& series, double y_least = 0.0);
 
@@ -48,6 +53,7 @@ struct PlanTrack {
   double opacity = 1.0;
   bool dots = false;   ///< a dot at every point as well
   bool joined = true;  ///< a line through the points; false for fixes that know nothing of each other
+  bool dashed = false;
 };
 struct PlanArea {
   std::vector<BuildingPoint> cells;  ///< lower left corners
