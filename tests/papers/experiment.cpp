@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <cstdio>
 #include <ranges>
 #include <thread>
 
@@ -43,7 +44,32 @@ std::vector<std::vector<double>> run_all(const Experiment& experiment, const Run
   return values;
 }
 
+std::optional<bool> decided(const Row& row) {
+  if (!row.claim.bound) return std::nullopt;
+  constexpr double kRounding = 1e-9;   // equal runs have a ratio of 1, and their mean may not
+  const double bound = *row.claim.bound;
+  if (row.claim.is_order() ? row.high < bound - kRounding : row.high <= bound + kRounding) return true;
+  if (row.low > bound + kRounding) return false;
+  return std::nullopt;
+}
+
 }  // namespace
+
+Claim reaches(std::string situation, std::string system, std::string figure, std::string unit, double paper, Stake stake) {
+  return {std::move(situation), std::move(system), std::move(figure), std::move(unit), paper, paper, stake};
+}
+
+Claim beats(std::string situation, std::string system, std::string figure, std::optional<double> paper, Stake stake) {
+  return {std::move(situation), std::move(system), std::move(figure), "ratio", paper, 1.0, stake};
+}
+
+Claim baseline(std::string situation, std::string system, std::string figure, std::string unit, double paper) {
+  return reaches(std::move(situation), std::move(system), std::move(figure), std::move(unit), paper, Stake::kBaseline);
+}
+
+Claim shown(std::string situation, std::string system, std::string figure, std::string unit) {
+  return {std::move(situation), std::move(system), std::move(figure), std::move(unit), {}, {}, Stake::kShown};
+}
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all = {p1_experiment(), p2_experiment(), p3_experiment(), p4_experiment(), p5_experiment()};
@@ -51,8 +77,28 @@ const std::vector<Experiment>& experiments() {
 }
 
 std::string Row::verdict() const {
-  if (!claim.binding || !claim.paper) return "";
-  return holds ? "holds" : low <= *claim.paper ? "undecided" : "does not hold";
+  if (!claim.bound) return "";
+  if (claim.stake == Stake::kBaseline) return !holds ? "baseline undecided" : *holds ? "baseline as good" : "baseline worse";
+  const std::string word = !holds ? "undecided" : *holds ? "holds" : "does not hold";
+  return claim.stake == Stake::kBeside ? word + " (beside)" : word;
+}
+
+std::string number(double value, const Claim& claim) {
+  char text[32];
+  std::snprintf(text, sizeof text, claim.unit == "ratio" || claim.figure.find("exponent") != std::string::npos ? "%.3f" : claim.unit == "%" ? "%.0f" : "%.2f", value);
+  return text;
+}
+
+std::string findings(const Experiment& experiment, const std::vector<Row>& rows) {
+  std::string text = experiment.findings;
+  for (auto open = text.find('{'); open != std::string::npos; open = text.find('{', open + 1)) {
+    const auto close = text.find('}', open);
+    const std::string named = text.substr(open + 1, close - open - 1);
+    const auto row = std::ranges::find_if(
+        rows, [&](const Row& each) { return each.claim.situation + "|" + each.claim.system + "|" + each.claim.figure == named; });
+    if (row != rows.end()) text.replace(open, close + 1 - open, number(row->mean, row->claim));
+  }
+  return text;
 }
 
 std::vector<Row> judge(const Experiment& experiment, const Runs& runs) {
@@ -60,7 +106,7 @@ std::vector<Row> judge(const Experiment& experiment, const Runs& runs) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < values.size(); ++i) {
     assert(!values[i].empty());
-    Row row{experiment.paper, experiment.claims[i], 0.0, 0.0, 0.0, static_cast<int>(values[i].size()), true};
+    Row row{experiment.paper, experiment.claims[i], 0.0, 0.0, 0.0, static_cast<int>(values[i].size()), {}};
     const auto n = static_cast<double>(values[i].size());
     for (const double value : values[i]) row.mean += value / n;
     double squares = 0.0;
@@ -68,7 +114,7 @@ std::vector<Row> judge(const Experiment& experiment, const Runs& runs) {
     const double half = n > 1 ? student(row.seeds - 1) * std::sqrt(squares / (n - 1) / n) : 0.0;
     row.low = row.mean - half;
     row.high = row.mean + half;
-    row.holds = !row.claim.binding || !row.claim.paper || row.mean <= *row.claim.paper;
+    row.holds = decided(row);
     rows.push_back(row);
   }
   return rows;

@@ -19,15 +19,32 @@ struct Outcome {
   double value = 0.0;
 };
 
-/// What the paper prints, or claims in words, about such a number.
+/// Whose word a claim is.
+enum class Stake {
+  kOurs,           ///< the paper's own system, or an order of its table: the presets must keep it
+  kBeside,   ///< the same with the paper's words taken otherwise, or against a control the paper does not have
+  kBaseline,       ///< what the paper compares with: a worse one would make ours look good
+  kShown           ///< nothing is claimed
+};
+
+/// What the paper prints, or claims in words, about such a number. Smaller is better in all of them.
 struct Claim {
   std::string situation;
   std::string system;
   std::string figure;
   std::string unit;
-  std::optional<double> paper;     ///< the paper's own number; absent: only ours is shown
-  bool binding = true;             ///< ours must reach it; false: an opponent's figure, shown for comparison
+  std::optional<double> paper;     ///< the paper's own number, or the ratio of two it prints
+  std::optional<double> bound;     ///< what ours is held against: the paper's number, or 1 where the paper only says which of two errs less
+  Stake stake = Stake::kOurs;
+
+  bool is_order() const { return bound && unit == "ratio" && bound != paper; }
 };
+/// Ours errs by the paper's figure at most.
+Claim reaches(std::string situation, std::string system, std::string figure, std::string unit, double paper, Stake stake = Stake::kOurs);
+/// The ratio of two systems' figures stays below 1; `paper` is the paper's ratio where it prints both.
+Claim beats(std::string situation, std::string system, std::string figure, std::optional<double> paper = {}, Stake stake = Stake::kOurs);
+Claim baseline(std::string situation, std::string system, std::string figure, std::string unit, double paper);
+Claim shown(std::string situation, std::string system, std::string figure, std::string unit);
 
 /// A picture of one run, as an SVG document.
 struct Drawing {
@@ -43,7 +60,8 @@ struct Experiment {
   std::string paper;               ///< `P1`
   std::string title;
   std::string assumptions;         ///< what the paper leaves open and what was taken, in plain words
-  std::vector<Claim> claims;       ///< smaller is better in all of them
+  std::string findings;            ///< what does not hold and why; `{case|system|figure}` stands for that row's mean
+  std::vector<Claim> claims;
   std::vector<Outcome> (*run)(const Presets& presets, std::uint64_t seed);
   std::vector<Drawing> (*draw)(const Presets& presets, std::uint64_t seed);
   int seeds = 100;                 ///< runs of a full report
@@ -64,10 +82,14 @@ struct Row {
   double low = 0.0;                ///< 95 % interval of the mean over seeds
   double high = 0.0;
   int seeds = 0;
-  bool holds = false;              ///< the mean reaches the paper's figure; always true for what does not bind
-  /// Empty for what does not bind; `undecided` where the mean misses the figure and the interval does not.
+  std::optional<bool> holds;       ///< the whole interval is within the bound, or beyond it; absent: the bound lies inside, or there is none
+  /// In words: `holds`, `does not hold`, `undecided`; of baselines `baseline as good`, `baseline worse`; empty without a bound.
   std::string verdict() const;
 };
+/// The findings with their numbers filled in; what names no row stays as it is.
+std::string findings(const Experiment& experiment, const std::vector<Row>& rows);
+/// As tables print it: ratios finer than what is compared to a paper's two digits.
+std::string number(double value, const Claim& claim);
 /// Runs seeds first_seed, first_seed + 1, ..; 1..seeds are the ones reported, what an experiment leaves open was chosen on others. An outcome
 /// without a claim, or a claim without outcomes, is a bug of the experiment and asserted. `threads` change no figure; `after_each_seed` is called
 /// from any of them.

@@ -118,15 +118,16 @@ Experiment p1_experiment() {
           "the plain mean of the same (its nearest neighbours, averaged), and beside it the nearest alone. Ours must reach the paper's fused figures; the "
           "opponents' figures are shown beside. MARG drifts without bound: its figure is that of this walk's length. Trilateration is the linear one of "
           "P3 eqs. 3-6 with levels that fade anew at every reading; the paper does not say which it took.",
-          {{"office floor", "fused", "rmse", "m", 1.5},
-           {"office floor", "fused", "rmse against WLAN", "ratio", 1.5 / 3.9},
-           {"office floor", "fused", "rmse against MARG", "ratio", 1.5 / 15.8},
-           {"office floor", "WLAN", "rmse", "m", 3.9, false},
-           {"office floor", "MARG", "rmse", "m", 15.8, false},
-           {"office floor", "RADAR", "rmse", "m", 3.8, false},
-           {"office floor", "RADAR, one neighbour", "rmse", "m", {}, false},
-           {"office floor", "propagation model", "rmse", "m", 4.9, false},
-           {"office floor", "trilateration", "rmse", "m", 5.7, false}},
+          "",
+          {reaches("office floor", "fused", "rmse", "m", 1.5),
+           reaches("office floor", "fused", "rmse against WLAN", "ratio", 1.5 / 3.9),
+           reaches("office floor", "fused", "rmse against MARG", "ratio", 1.5 / 15.8),
+           baseline("office floor", "WLAN", "rmse", "m", 3.9),
+           baseline("office floor", "MARG", "rmse", "m", 15.8),
+           baseline("office floor", "RADAR", "rmse", "m", 3.8),
+           shown("office floor", "RADAR, one neighbour", "rmse", "m"),
+           baseline("office floor", "propagation model", "rmse", "m", 4.9),
+           baseline("office floor", "trilateration", "rmse", "m", 5.7)},
           run, draw};
 }
 

@@ -125,14 +125,15 @@ Experiment p5_experiment() {
           "The Kalman filters measure what eq. 4 resolves, speed times cosine and sine of the azimuth, which is linear: extended and unscented then "
           "agree, as they do in the paper (4.84 and 4.82 m), and both walk too fast, as the true velocity never reaches the speed along a noisy heading. "
           "The particles are weighed by speed and azimuth as observed (eq. 2). Shown beside: an EKF that measures those two apart; it errs as little.",
-          {{"canyon", "PF", "mean error", "m", 3.19},
-           {"canyon", "PF", "mean against GNSS", "ratio", 3.19 / 13.81},
-           {"canyon", "PF", "mean against EKF", "ratio", 3.19 / 4.84},
-           {"canyon", "PF", "mean against UKF", "ratio", 3.19 / 4.82},
-           {"canyon", "EKF", "mean error", "m", 4.84},
-           {"canyon", "UKF", "mean error", "m", 4.82},
-           {"canyon", "EKF, speed and azimuth apart", "mean error", "m", {}, false},
-           {"canyon", "GNSS", "mean error", "m", 13.81, false}},
+          "",
+          {reaches("canyon", "PF", "mean error", "m", 3.19),
+           reaches("canyon", "PF", "mean against GNSS", "ratio", 3.19 / 13.81),
+           reaches("canyon", "PF", "mean against EKF", "ratio", 3.19 / 4.84),
+           reaches("canyon", "PF", "mean against UKF", "ratio", 3.19 / 4.82),
+           reaches("canyon", "EKF", "mean error", "m", 4.84),
+           reaches("canyon", "UKF", "mean error", "m", 4.82),
+           shown("canyon", "EKF, speed and azimuth apart", "mean error", "m"),
+           baseline("canyon", "GNSS", "mean error", "m", 13.81)},
           run, draw};
 }
 

@@ -72,6 +72,42 @@ TEST(Papers, ARunRepeatsItself) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].mean, two[i].mean);
 }
 
+// One claim about what `value` says of each seed.
+Row judged(const Claim& claim, double (*value)(std::uint64_t seed)) {
+  static double (*drawn)(std::uint64_t);
+  drawn = value;
+  const auto run = [](const Presets&, std::uint64_t seed) -> std::vector<Outcome> { return {{"case", "system", "figure", drawn(seed)}}; };
+  return judge({"P0", "", "", "", {claim}, run, nullptr}, {.seeds = 20}).front();
+}
+double about_ten(std::uint64_t seed) { return seed % 2 ? 9.0 : 11.0; }
+double one(std::uint64_t) { return 1.0; }
+
+TEST(Verdict, IsOpenWhereTheBoundLiesInTheInterval) {
+  const auto against = [](double paper) { return judged(reaches("case", "system", "figure", "m", paper), about_ten); };
+  EXPECT_EQ(against(10.9).holds, true);
+  EXPECT_EQ(against(10.9).verdict(), "holds");
+  EXPECT_EQ(against(9.1).holds, false);
+  EXPECT_EQ(against(9.1).verdict(), "does not hold");
+  for (const double inside : {9.8, 10.2}) {
+    EXPECT_EQ(against(inside).holds, std::nullopt) << inside;
+    EXPECT_EQ(against(inside).verdict(), "undecided") << inside;
+  }
+}
+
+TEST(Verdict, OfABaselineSaysWhetherItIsAsGoodAsThePapers) {
+  EXPECT_EQ(judged(baseline("case", "system", "figure", "m", 12.0), about_ten).verdict(), "baseline as good");
+  EXPECT_EQ(judged(baseline("case", "system", "figure", "m", 8.0), about_ten).verdict(), "baseline worse");
+  const Row row = judged(shown("case", "system", "figure", "m"), about_ten);
+  EXPECT_EQ(row.verdict(), "");
+  EXPECT_EQ(row.holds, std::nullopt);
+}
+
+TEST(Verdict, OfAnOrderIsNotWonByATie) {
+  EXPECT_EQ(judged(beats("case", "system", "figure", 0.5), one).holds, std::nullopt);
+  EXPECT_EQ(judged(beats("case", "system", "figure", 0.5), about_ten).holds, false);
+  EXPECT_EQ(judged(reaches("case", "system", "figure", "m", 1.0), one).holds, true);
+}
+
 TEST(RadioWorld, FadesAsItsSettingsSay) {
   Random random(1);
   RadioWorld world({.level_at_1m_dbm = -40, .exponent = 3.0, .wall_db = 5.0}, {{0, 0}}, {{{5, -1}, {5, 1}}}, random);
