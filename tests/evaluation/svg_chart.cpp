@@ -15,6 +15,7 @@ constexpr double kLeft = 70.0;
 constexpr double kTop = 46.0;
 constexpr double kRight = 800.0;
 constexpr double kBottom = 440.0;
+constexpr double kThick = 4.5;  // pixels: a thin dashed curve above it leaves both to be seen
 
 // The plane of a chart: data to pixels, with grid, ticks and labels.
 class Plane {
@@ -100,7 +101,7 @@ std::string distribution_chart(const ChartText& text, const std::vector<ValueSer
     }
     const bool thick = told ? series[s].thick : s + 1 == series.size();
     const Entry entry{series[s].name, colour_of(series[s].colour, s), series[s].dashed};
-    svg += polyline(points, entry.colour, entry.dashed, thick ? 3.5 : 2.0);
+    svg += polyline(points, entry.colour, entry.dashed, thick ? (told ? kThick : 3.5) : 2.0);
     names.push_back(entry);
   }
   return svg + legend(names, false) + "</svg>\n";
@@ -131,7 +132,7 @@ std::string line_chart(const ChartText& text, const std::vector<LineSeries>& ser
       if (p.high > p.low)
         svg += svg_line(plane.x(p.x), plane.y(p.low), plane.x(p.x), plane.y(p.high), entry.colour, 1, "opacity=\"0.6\"");
     }
-    svg += polyline(points, entry.colour, entry.dashed, series[s].thick ? 3.5 : 2.0);
+    svg += polyline(points, entry.colour, entry.dashed, series[s].thick ? kThick : 2.0);
     names.push_back(entry);
   }
   return svg + legend(names, true) + "</svg>\n";
