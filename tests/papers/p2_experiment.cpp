@@ -4,6 +4,7 @@
 
 #include "tests/evaluation/svg_chart.hpp"
 #include "tests/papers/experiment.hpp"
+#include "tests/papers/pictures.hpp"
 #include "tests/papers/radio_world.hpp"
 
 namespace wayfuse::papers {
@@ -77,6 +78,12 @@ double overtakes_at(const Run& run) {
   return first;
 }
 
+double mean_from_seventh(const Track& track) {
+  double sum_m = 0.0;
+  for (std::size_t i = 6; i < kCheckPoints; ++i) sum_m += track.errors_m[i] / (kCheckPoints - 6);
+  return sum_m;
+}
+
 std::vector<Outcome> run(const Presets& presets, std::uint64_t seed) {
   const Run walked = walk(presets, seed);
   std::vector<Outcome> outcomes;
@@ -89,7 +96,24 @@ std::vector<Outcome> run(const Presets& presets, std::uint64_t seed) {
   outcomes.push_back({"12 check points", "combined", "mean against fingerprint",
                       walked.tracks.at("combined").mean_m() / walked.tracks.at("fingerprint").mean_m()});
   outcomes.push_back({"12 check points", "combined", "overtakes PDR at point", overtakes_at(walked)});
+  outcomes.push_back({"check points 7 to 12", "combined", "mean against PDR", mean_from_seventh(walked.tracks.at("combined")) / mean_from_seventh(walked.tracks.at("PDR"))});
   return outcomes;
+}
+
+const std::vector<Look> kLooks = {{"fingerprint", 0}, {"PDR", 1}, {"combined", 2, true}};
+
+// Twelve errors make steps, not a curve.
+std::vector<ValueSeries> many_runs(const Presets& presets, std::uint64_t seed) {
+  std::vector<ValueSeries> below;
+  for (const Look& look : kLooks) below.push_back(shares(look, {}));
+  for (int i = 0; i < 40; ++i) {
+    const Run walked = walk(presets, seed + static_cast<std::uint64_t>(i));
+    for (ValueSeries& series : below) {
+      const auto& errors_m = walked.tracks.at(series.name).errors_m;
+      series.values.insert(series.values.end(), errors_m.begin(), errors_m.end());
+    }
+  }
+  return below;
 }
 
 std::vector<Drawing> draw(const Presets& presets, std::uint64_t seed) {
@@ -97,17 +121,16 @@ std::vector<Drawing> draw(const Presets& presets, std::uint64_t seed) {
   PlanPicture plan{"P2: the 12 check points", nullptr, {}, {}, false};
   plan.tracks.push_back({"truth", "#000000", walked.truth, 0.3, 1.0, true});
   std::vector<LineSeries> errors;
-  std::size_t colour = 0;
-  for (const auto& [system, track] : walked.tracks) {
-    plan.tracks.push_back({system, std::string(series_colour(colour++)), track.points, 0.3, 1.0, true});
-    LineSeries line{system, {}, false};
-    for (std::size_t i = 0; i < track.errors_m.size(); ++i) {
-      line.points.push_back({static_cast<double>(i + 1), track.errors_m[i], track.errors_m[i], track.errors_m[i]});
-    }
-    errors.push_back(line);
+  for (const Look& look : kLooks) {
+    const Track& track = walked.tracks.at(look.system);
+    PlanTrack points = on_plan(look, track);
+    points.dots = true;
+    plan.tracks.push_back(points);
+    errors.push_back(by_number(look, track));
   }
   return {{"p2-tracks", plan_picture(plan)},
-          {"p2-error-by-point", line_chart({"P2: error at the check points", "check point", "error, m"}, errors)}};
+          {"p2-error-by-point", line_chart({"P2: error at the check points, one run", "check point", "error, m"}, errors)},
+          {"p2-error-cdf", distribution_chart({"P2: share of errors below, the 12 check points of 40 runs", "error, m", "share"}, many_runs(presets, seed), 30.0)}};
 }
 
 }  // namespace
@@ -118,7 +141,8 @@ Experiment p2_experiment() {
                                shown(at, "combined", "min error", "m"),
                                shown(at, "combined", "max error", "m"),
                                reaches(at, "combined", "mean against fingerprint", "ratio", 6.74 / 11.38),
-                               reaches(at, "combined", "overtakes PDR at point", "", 7.0),
+                               reaches(at, "combined", "overtakes PDR at point", "point", 7.0),
+                               beats("check points 7 to 12", "combined", "mean against PDR"),
                                baseline(at, "fingerprint", "mean error", "m", 11.38),
                                baseline(at, "fingerprint", "min error", "m", 1.0),
                                baseline(at, "fingerprint", "max error", "m", 21.5),
@@ -132,10 +156,15 @@ Experiment p2_experiment() {
           "Location fingerprint plus pedestrian track",
           "Library floor of 50 x 35 m, 6 access points, exponent 2.4, shadowing 5 dB over 3 m and fading 8 dB (shelves, readers, "
           "another phone than the survey's: as much as makes the fingerprint err as in the paper), reference points every 5 m with 3 scans; a scan every 1.65 s; compass wrong by 14 degrees "
-          "to either side and wandering, stride off by 6 %. How the paper combines is not printed: taken are particles, each with a compass error and a "
-          "stride of its own, that step with the track and are weighed by the fix. PDR alone starts at the true place, the combination at its first fix.",
-          "",
-          std::move(claims), run, draw, 500};
+          "to either side and wandering, stride off by 6 %. Fed ready-made are steps with their length and heading, with those errors; steps are not counted from acceleration here. "
+          "How the paper combines is not printed: taken are particles, each with a compass error and a "
+          "stride of its own, that step with the track and are weighed by the fix. PDR alone starts at the true place, the combination at its first fix. "
+          "These choices were made on seeds 101 to 500, which are among the 1,000 reported; in one run of twelve points the overtaking is anything from 1 to "
+          "never (counted as 13), so that it takes hundreds to tell 7 from 8.",
+          "In the mean over runs the combination is ahead of dead reckoning from the third check point on, in the paper's one walk from the seventh. Run by run it overtakes at point {12 "
+          "check points|combined|overtakes PDR at point}, too near to 7 to be told from it. The fingerprint's best and worst point ({12 check points|fingerprint|min error} and {12 check "
+          "points|fingerprint|max error} m, means over runs) are farther off than the paper's 1.0 and 21.5 m, its mean is not.",
+          std::move(claims), run, draw, 1000};
 }
 
 }  // namespace wayfuse::papers
