@@ -180,7 +180,7 @@ int run(const PapersOptions& options) {
 void add_papers_command(CLI::App& app, std::function<int()>& chosen) {
   const auto options = std::make_shared<PapersOptions>();
   CLI::App* command = app.add_subcommand("papers", "Each paper's own experiment, simulated: its table beside ours");
-  command->add_option("--seeds", options->seeds, "Runs of each experiment, instead of 100 (P2: 500)")->check(CLI::Range(2, 10000));
+  command->add_option("--seeds", options->seeds, "Runs of each experiment, instead of 80 (P4) to 1,000 (P2)")->check(CLI::Range(2, 10000));
   command->add_option("--first-seed", options->runs.first_seed, "The first of them: what is chosen on some seeds is reported on others")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

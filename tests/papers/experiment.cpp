@@ -84,8 +84,9 @@ std::string Row::verdict() const {
 }
 
 std::string number(double value, const Claim& claim) {
+  const bool fine = claim.unit == "ratio" || claim.figure.find("exponent") != std::string::npos || claim.situation.find("sweep") != std::string::npos;
   char text[32];
-  std::snprintf(text, sizeof text, claim.unit == "ratio" || claim.figure.find("exponent") != std::string::npos ? "%.3f" : claim.unit == "%" ? "%.0f" : "%.2f", value);
+  std::snprintf(text, sizeof text, fine ? "%.3f" : claim.unit == "%" ? "%.0f" : "%.2f", value);
   return text;
 }
 

@@ -134,7 +134,7 @@ Experiment p1_experiment() {
           "The paper prints the floor, not the air. Taken: 60 x 30 m, 5 access points, reference points every 5 m with 10 scans each, "
           "exponent 2.6, shadowing 1 dB over 4 m, fading 2.5 dB a reading, walls of 3 dB, whole decibels, two scans a second; three rounds, "
           "691 s, with a phone whose heading is 14 degrees wrong, drifts on by 0.09 degrees a second and wanders, stride off by 4 %. Fading is "
-          "the most with which neither WLAN nor RADAR nor the model method errs by more than in the paper, drift such that MARG errs as there. Fed ready-made are the heading and the speed of every half second, with those errors: the paper's "
+          "such that neither WLAN nor RADAR nor the model method errs by more than in the paper, drift such that MARG errs as there. Fed ready-made are the heading and the speed of every half second, with those errors: the paper's "
           "attitude from accelerometer, gyroscope and magnetometer (eqs. 4-10) does not run here. WLAN is the Euclidean WKNN fix, 8 neighbours there and in the fusion (m is not printed), RADAR "
           "the plain mean of the same (its nearest neighbours, averaged), and beside it the nearest alone. MARG starts at the true place and drifts without bound: its figure is "
           "that of this walk's length. Trilateration is the linear one of P3 eqs. 3-6 with levels that fade anew at every reading; the paper does not say "
