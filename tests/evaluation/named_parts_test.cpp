@@ -101,7 +101,7 @@ TEST(PipelineNamed, AFilesFaultNamesTheFile) {
     std::ofstream(path) << json;
     return check_fault({"wknn", path}, AskedOf::kPipelines);
   };
-  EXPECT_EQ(written("{"), "malformed: " + path + ": not JSON");
+  EXPECT_THAT(written("{"), HasSubstr("malformed: " + path + ": byte 1: the message ends"));
   EXPECT_THAT(written(R"({"parts": {"locator": "wknm"}})"), HasSubstr(path + ": parts.locator.part: no such part `wknm`"));
   EXPECT_THAT(written(R"({"parts": {"measurement": "fix"}})"), HasSubstr(path + ": parts.measurement: `fix` needs a locator"));
   EXPECT_EQ(written(R"({"name": "mine", "parts": {"locator": {"part": "knn", "settings": {"k": 5}}, "measurement": {"part": "fix"}, "motion": {"part": "steps"}}})"), "no fault");
