@@ -25,6 +25,7 @@ class Assembly {
   explicit Assembly(const PipelineSpec& spec) : spec_(spec), catalogue_(part_catalogue()) {}
 
   const PipelineSpec& spec() const { return spec_; }
+  static std::string_view standard(std::string_view role) { return std::ranges::find(pipeline_roles(), role, &Role::name)->standard; }
   /// Only after check(): every role and part exists.
   Chosen chosen(std::string_view role) const {
     PartChoice choice;
@@ -32,7 +33,7 @@ class Assembly {
     if (named != spec_.parts.end()) {
       choice = named->second;
     } else {
-      choice.name = std::ranges::find(pipeline_roles(), role, &Role::name)->standard;
+      choice.name = standard(role);
     }
     const auto part = std::ranges::find_if(
         catalogue_, [&](const PartDescription& each) { return each.role == role && each.name == choice.name; });
@@ -95,7 +96,7 @@ struct Framed {
 
 Fault clash(std::string field, std::string cause) { return {FaultCode::kConflict, std::move(field), std::move(cause)}; }
 
-/// Measurements of a spec that its filter does not understand.
+/// Measurements of a spec that its filter does not understand, and a resampler that nobody asks.
 Result<void> filter_understands(const Assembly& spec) {
   const FilterRow& filter = row_of(filter_catalogue(), spec.chosen("filter").part);
   const auto takes = [&](std::string_view role, std::string_view part, Takes needed) -> Result<void> {
@@ -112,6 +113,9 @@ Result<void> filter_understands(const Assembly& spec) {
   if (auto speed = takes("speed", "speed", Takes::kGaussian); !speed) return speed;
   if (auto direction = takes("azimuth", "direction", Takes::kGaussian); !direction) return direction;
   if (auto resolved = takes("azimuth", "resolved", Takes::kLinear); !resolved) return resolved;
+  if (filter.takes != Takes::kAny && spec.chosen("resampler").part != spec.standard("resampler")) {  // naming the standard asks for nothing
+    return clash("parts.resampler", "`" + filter.description.name + "` has no particles to resample");
+  }
   return {};
 }
 

@@ -170,6 +170,22 @@ TEST(Parts, AFilterRefusesWhatItDoesNotUnderstand) {
   }
 }
 
+TEST(Parts, AResamplerNeedsParticles) {
+  for (const FilterRow& filter : filter_catalogue()) {
+    const auto parts = [&](const char* resampler) -> std::map<std::string, PartChoice> {
+      return {{"locator", {"wknn", {}}}, {"filter", {filter.description.name, {}}}, {"resampler", {resampler, {}}}};
+    };
+    EXPECT_TRUE(assemble(with(parts("systematic")), hall_site())) << "what stands there when a spec is silent";
+    if (filter.takes == Takes::kAny) {
+      EXPECT_TRUE(assemble(with(parts("perturbing")), hall_site()));
+      continue;
+    }
+    const Fault refusal = fault(parts("perturbing"));
+    EXPECT_EQ(refusal.field, "parts.resampler");
+    EXPECT_THAT(refusal.cause, HasSubstr(filter.description.name));
+  }
+}
+
 TEST(Parts, TheSameInformationTwiceIsRefused) {
   const auto heading = fault({{"locator", {"wknn", {}}}, {"motion", {"walk", {}}}, {"azimuth", {"direction", {}}}});
   EXPECT_EQ(heading.code, FaultCode::kConflict);
