@@ -48,7 +48,7 @@ Parts guarded_plain(double sigma_m = 20.0) {
   return {{"locator", {"trilateration", {{"online", 0}, {"beyond_m", 50}}}}, {"measurement", guarded_fix(sigma_m)}};
 }
 Parts fix_alone() {
-  return {{"locator", trilateration(false)}, {"measurement", every_fix(20)}, {"motion", {"still", {}}}, {"filter", {"newest-fix", {}}}, {"recovery", {"none", {}}}};
+  return {{"locator", trilateration(false)}, {"measurement", every_fix(20)}, {"motion", {"still", {}}}, {"filter", {"newest-fix", {}}}, {"resampler", {"systematic", {}}}, {"recovery", {"none", {}}}};
 }
 Parts steps_alone() { return {{"locator", {"none", {}}}, {"measurement", {"none", {}}}}; }
 
