@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,10 +7,11 @@
 
 #include "sdk/src/recording/import/attitude_trial.hpp"
 #include "sdk/src/recording/import/fingerprint_table.hpp"
+#include "sdk/src/recording/import/step_trial.hpp"
 #include "tests/evaluation/datasets/floor_map.hpp"
 #include "tests/evaluation/datasets/recorded_site.hpp"
 #include "tests/evaluation/datasets/split.hpp"
-#include "sdk/src/recording/import/step_trial.hpp"
+#include "tests/evaluation/written_files.hpp"
 
 namespace wayfuse {
 namespace {
@@ -25,24 +25,8 @@ namespace fs = std::filesystem;
   const std::string var = std::string(var##_root) + "/" + (name);                                             \
   if (!fs::exists(var)) GTEST_SKIP() << "NO DATA: " << var << " is missing"
 
-class Scratch : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("wayfuse-datasets-" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) {
-    const fs::path file = folder_ / name;
-    fs::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-    return file.string();
-  }
-  fs::path folder_;
-};
-using WalkFileTest = Scratch;
-using SiteFolder = Scratch;
+using WalkFileTest = WrittenFiles;
+using SiteFolder = WrittenFiles;
 
 TEST(FloorLabels, BecomeOrdinals) {
   const auto values = [](const std::vector<std::string>& labels) {

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -8,28 +7,14 @@
 #include "sdk/src/recording/import/fingerprint_table.hpp"
 #include "tests/evaluation/datasets/levels_table.hpp"
 #include "tests/evaluation/datasets/uji_collection.hpp"
+#include "tests/evaluation/written_files.hpp"
 
 namespace wayfuse {
 namespace {
 
 namespace fs = std::filesystem;
 
-class FingerprintFile : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("wayfuse-tables-" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) {
-    const fs::path file = folder_ / name;
-    fs::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-    return file.string();
-  }
-  fs::path folder_;
-};
+using FingerprintFile = WrittenFiles;
 
 TEST_F(FingerprintFile, UjiColumnsAreFoundByName) {
   const std::string file =
