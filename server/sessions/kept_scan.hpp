@@ -14,6 +14,7 @@ class KeptScan {
   explicit KeptScan(const RssScan& scan);
 
   RssScan scan() const;
+  PhoneTime time() const { return time_; }
   std::size_t readings() const { return packed_.size() + whole_.size(); }
   std::size_t bytes() const { return packed_.size() * sizeof(Packed) + whole_.size() * sizeof(ScanReading); }
 

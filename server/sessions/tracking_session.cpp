@@ -121,7 +121,8 @@ bool TrackingSession::take(const Sample& sample) {
     newest_.reset();
   }
   late_in_a_row_ = 0;
-  if (const auto* scan = std::get_if<RssScan>(&sample.body); scan && (scan->time >= newest_scan_.time || !newest_)) newest_scan_ = *scan;
+  const auto* scan = std::get_if<RssScan>(&sample.body);
+  if (scan && (!newest_ || !newest_scan_ || scan->time >= newest_scan_->time())) newest_scan_.emplace(*scan);
   const PhoneTime time = time_of(sample.body);
   if (!newest_ || time >= *newest_) {
     newest_ = time;
@@ -241,7 +242,7 @@ Result<Explanation> TrackingSession::explain() const {
     if (!position) return no_position(tracker.why_no_fix());
     building = building_;
     factory = factory_;
-    grounds = grounds_of(tracker, *std::move(position), newest_scan_);
+    grounds = grounds_of(tracker, *std::move(position), newest_scan_ ? newest_scan_->scan() : RssScan{});
   }
   Explanation explanation = wayfuse::explain(*building, std::move(grounds));  // a pass over the survey: the phone does not wait for it
   explanation.tracked = tracked_;

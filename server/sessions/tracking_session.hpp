@@ -10,6 +10,7 @@
 
 #include "server/buildings/building_shelf.hpp"
 #include "server/sessions/explanation.hpp"
+#include "server/sessions/kept_scan.hpp"
 #include "server/sessions/recording_shelf.hpp"
 #include "server/sessions/timeline.hpp"
 #include "wayfuse/proto/message.hpp"
@@ -136,7 +137,7 @@ class TrackingSession {
   std::optional<Fault> cannot_track_;  ///< the pipeline asked for does not exist in the resolved building
   std::optional<Timeline> timeline_;
   std::optional<PhoneTime> newest_;
-  RssScan newest_scan_;  ///< that the tracker took; no readings before the first
+  std::optional<KeptScan> newest_scan_;  ///< that the tracker took
   std::deque<Sample> held_;  ///< until the first position: a newer map may still place it
   bool placed_ = false;
   bool at_rest_ = false;
