@@ -27,7 +27,6 @@ constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud th
 constexpr int kFixesElsewhere = 2;             // in a row: one satellite fix errs, two that stand apart from the rest do not
 constexpr double kGnssMemoryS = 20.0;         // of a fix's error: reflections last as long as the street looks the same
 constexpr double kOutside = 2.0;              // of a fix's sigma off the plan
-constexpr double kScanFits = 1.3;             // mismatch of a scan that knows where it was heard
 constexpr int kFixesAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
@@ -210,7 +209,7 @@ void FieldTracker::feed(const RssScan& scan) {
     cloud_.settle(random_);
   }
   weighed_to_ = newest_reading_;
-  if (!contradicted_ && !lost && locator_->mismatch() < kScanFits) scan_agreed_at_ = newest_;
+  if (!contradicted_ && !lost && locator_->mismatch() < kFits) scan_agreed_at_ = newest_;
   take_stock(scan, carried);
   locator_->rest();
 }

@@ -46,6 +46,8 @@ class FieldTracker final : public Tracker {
   const FieldTrackerParts& parts() const { return *parts_; }
 
  private:
+  static constexpr double kFits = 1.3;  ///< mismatch of a scan that knows where on surveyed ground it was heard
+
   double in_frame_rad(const MotionReport& motion) const;
   CompassPrior compass() const;
   void walk(const MotionReport& motion, double dt_s, double dx_m, double dy_m);

@@ -11,13 +11,10 @@ namespace wayfuse {
 namespace {
 
 constexpr double kFewAgree = 0.25;           // of the cloud with a scan
-constexpr double kFits = 1.3;                 // mismatch of a scan from surveyed ground
-constexpr double kFitsSurvey = 1.8;           // mismatch: where nobody surveyed, scans speak for wherever it is least unlike
 constexpr std::size_t kDrawn = 64;           // places that speak for a scan
 constexpr double kOutdone = 5.0;             // log-likelihood they are ahead by; honest tracks begin to suffer at 3
 constexpr double kOutdoneForGood = 12.0;     // no scan of an honest walk was as far ahead, but where its track was lost
 constexpr double kHeadStart = 0.5;            // of what it takes to win, for a rival whose places were ahead by kOutdone
-constexpr double kFitsNothing = 2.5;          // mismatch
 constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three do not err so far alike
 
 }  // namespace
@@ -27,7 +24,7 @@ constexpr int kScansElsewhere = 3;           // in a row: one scan errs, three d
 bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
   const auto misfit = locator_->misfit(*floor_, minus(cloud_.spread().mean, carried));
   contradicted_ = misfit && SecondOpinion::contradicts(*misfit, locator_->mismatch());
-  if (!misfit || locator_->mismatch() > kFitsSurvey) return false;
+  if (!misfit || locator_->mismatch() > SecondOpinion::kSurveyed) return false;  // where nobody surveyed, scans speak for wherever it is least unlike
   watch_.compare(*misfit, {plus(fix.place.point, carried), fix.place.floor}, *newest_);
   return watch_.elsewhere();
 }
@@ -35,7 +32,7 @@ bool FieldTracker::astray(const Fix& fix, BuildingPoint carried) {
 // How far places drawn from the newest scan alone are ahead of the track in foretelling it, log-likelihood; 0 where it cannot say. A
 // track may be a little way off, where the survey about it still resembles the scan.
 double FieldTracker::outdone(double log_evidence) const {
-  if (locator_->mismatch() > kFitsNothing) return 0.0;
+  if (locator_->mismatch() > SecondOpinion::kFitsNothing) return 0.0;
   std::array<float, kDrawn> x_m, y_m, gained{};
   Random random = random_;  // nobody's track depends on having asked
   const FloorOrdinal there = votes_.front().floor;
@@ -51,7 +48,7 @@ double FieldTracker::outdone(double log_evidence) const {
 bool FieldTracker::second_opinion(double log_evidence, const Fix& fix, BuildingPoint carried) {
   if (!parts_->settings.second_opinion) return false;
   const double behind = outdone(log_evidence);
-  const bool surveyed = locator_->mismatch() < kFitsSurvey;  // elsewhere it takes more to be contradicted, and another scan to be left
+  const bool surveyed = locator_->mismatch() <= SecondOpinion::kSurveyed;  // elsewhere it takes more to be contradicted, and another scan to be left
   if (surveyed && behind > kOutdoneForGood && !watch_.copied()) {
     watch_.left_at_once(*newest_);
     give_up(fix, carried);

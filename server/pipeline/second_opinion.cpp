@@ -10,8 +10,6 @@ namespace {
 // that fits nothing is not asked at all.
 constexpr double kContradicts = 0.05;
 constexpr double kContradictsOffSurvey = 0.2;
-constexpr double kSurveyed = 1.8;          // mismatch
-constexpr double kFitsNothing = 2.5;
 constexpr double kMostOfAScan = 8.0;       // log Bayes factor: no scan is surer than that
 constexpr double kWins = 1.6;
 constexpr double kLoses = -1.0;

@@ -17,6 +17,9 @@ class SecondOpinion {
   SecondOpinion() = default;
   SecondOpinion(const SecondOpinion& other) : rival_(other.rival_ ? std::make_unique<Rival>(*other.rival_) : nullptr) {}
 
+  static constexpr double kSurveyed = 1.8;     ///< mismatch of a scan beyond which nobody surveyed where it was heard
+  static constexpr double kFitsNothing = 2.5;  ///< beyond which it fits nothing at all
+
   /// How much worse than elsewhere a scan must fit around a track to contradict it (Locator::misfit), by how well it fits at all.
   static bool contradicts(double misfit, double mismatch);
 

@@ -38,7 +38,10 @@ dense="--floors 1 --length 60 --width 50 --transmitters 200 --networks 8"
 mall=$(sed -n 's/^{"id":\([0-9]*\).*/\1/p' "$work/building")
 "$phone" survey --kind mall $dense --passes 1 --server "$socket" --building "$mall"
 "$phone" record --kind mall $dense --minutes 0.5 "$work/mall.jsonl"
-"$phone" replay "$work/mall.jsonl" --server "$socket" --building "$mall" --speed 12 | tee "$work/replayed"
+for _ in 1 2 3 4 5; do  # its map is made beside the walk, and a busy machine takes longer for it than the walk does at this speed
+  "$phone" replay "$work/mall.jsonl" --server "$socket" --building "$mall" --speed 12 | tee "$work/replayed"
+  grep -qE '^  fused +[0-9.]+ .* [1-9][0-9]*$' "$work/replayed" && break
+done
 grep -qE '^  fused +[0-9.]+ .* [1-9][0-9]*$' "$work/replayed" || fail "no position in a mall"
 
 # A recording that is cut off in the middle of a line is named, not guessed at.
