@@ -59,7 +59,7 @@ std::vector<std::string> FieldTracker::doubts(PhoneTime at) const {
 std::optional<FusedPosition> FieldTracker::position(PhoneTime at) const {
   if (!cloud_.started() || !floor_) return std::nullopt;
   const WalkerCloud::Spread now = cloud_.spread();
-  if (!std::isfinite(now.mean.x_m) || !std::isfinite(now.mean.y_m)) return std::nullopt;
+  if (!is_near(now.mean)) return std::nullopt;
   const double idle_s = newest_ ? std::max(0.0, seconds(at - *newest_)) : 0.0;
   const double drift_m = at_rest_ || idle_s < 1.0 ? 0.0 : (moved_to_ ? kIdleDriftMps : kWithoutMotionMps) * idle_s;
   const double radius_m = std::sqrt(now.covariance.xx_m2 + now.covariance.yy_m2);

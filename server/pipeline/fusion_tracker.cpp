@@ -18,6 +18,7 @@ constexpr double kMostSpreadM = 50.0;
 constexpr double kLeastSpeedSigmaMps = 0.1;
 constexpr double kLeastHeadingSigmaRad = 0.05;
 constexpr double kVagueHeadingRad = 0.7;
+constexpr double kWidest_m = 10e3;        // a belief as wide says nothing
 
 double length_m(BuildingPoint a) { return std::hypot(a.x_m, a.y_m); }
 double angle_rad(BuildingPoint a) { return std::atan2(a.y_m, a.x_m); }
@@ -152,9 +153,9 @@ void FusionTracker::feed(const MotionReport& motion) {
     filtered_to_ = motion.time;
   } else {
     advance(motion.time);
-    measure_velocity(motion, moved);
+    if (filter_->started()) measure_velocity(motion, moved);
   }
-  guard_against_nan();
+  guard_against_nonsense();
 }
 
 // Moves a filter that lives on time alone; one that is moved by reports waits for them.
@@ -162,6 +163,7 @@ void FusionTracker::advance(PhoneTime time) {
   if (!filter_->started() || parts_->motion->uses_distance()) return;
   if (filtered_to_ && time > *filtered_to_) filter_->predict(Motion{.dt_s = seconds(time - *filtered_to_)}, random_);
   if (!filtered_to_ || time > *filtered_to_) filtered_to_ = time;
+  guard_against_nonsense();
 }
 
 void FusionTracker::feed(const RssScan& scan) {
@@ -215,6 +217,7 @@ void FusionTracker::apply(const Fix& fix, BuildingPoint carried) {
 void FusionTracker::teach(BuildingPoint carried) {
   if (parts_->measurement == MeasurementKind::kNone || !filter_->started()) return;
   advance(*newest_);
+  if (!filter_->started()) return;
   const State mean = filter_->estimate().mean;
   locator_->learn(kept_, {minus({mean.x_m, mean.y_m}, carried), floor_.floor()});
 }
@@ -230,7 +233,7 @@ void FusionTracker::apply_fix(BuildingPoint point, double sigma_m) {
   if (parts_->fix.gate_sigmas > 0.0 && !agrees(point, sigma_m, parts_->fix.gate_sigmas)) return;
   const GaussianState before = filter_->estimate();
   if (filter_->update(FixMeasurement(point.x_m, point.y_m, sigma_m), random_)) note_correction(before, point, sigma_m);
-  guard_against_nan();
+  guard_against_nonsense();
 }
 
 void FusionTracker::note_correction(const GaussianState& before, BuildingPoint point, double sigma_m) {
@@ -250,13 +253,13 @@ void FusionTracker::apply_ranges(BuildingPoint carried) {
     measurement.add({at.x_m, at.y_m, range.distance_m, parts_->range_sigma_scale * range.sigma_m});
   }
   if (measurement.dimension() > 0) filter_->update(measurement, random_);
-  guard_against_nan();
+  guard_against_nonsense();
 }
 
 void FusionTracker::apply_field(BuildingPoint carried) {
   const FieldMeasurement measurement(*locator_, floor_.floor(), carried, parts_->field.weight, parts_->field.outlier, field_scratch_);
   filter_->update(measurement, random_);
-  guard_against_nan();
+  guard_against_nonsense();
 }
 
 bool FusionTracker::agrees(BuildingPoint point, double sigma_m, double sigmas) const {
@@ -313,10 +316,13 @@ void FusionTracker::feed(const GnssFix& fix) {
   align_heading();
 }
 
-void FusionTracker::guard_against_nan() {
+void FusionTracker::guard_against_nonsense() {
+  if (!filter_->started()) return;
   const GaussianState state = filter_->estimate();
-  // Nonsense may also cost a Kalman filter its positive variances: there is no going on from that either.
-  if (finite(state.mean) && state.covariance[0] >= 0.0 && state.covariance[5] >= 0.0) return;
+  // Nonsense may also cost a Kalman filter its positive variances, or take it, in hours without a fix, beyond what a place may be: there is
+  // no going on from that either.
+  const bool known = state.covariance[0] >= 0.0 && state.covariance[5] >= 0.0 && state.covariance[0] + state.covariance[5] < kWidest_m * kWidest_m;
+  if (finite(state.mean) && known && is_near({state.mean.x_m, state.mean.y_m})) return;
   filter_ = parts_->make_filter();  // begins again with the next fix
   anchor_.reset();
 }

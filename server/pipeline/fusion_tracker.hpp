@@ -101,7 +101,7 @@ class FusionTracker final : public Tracker {
   void note_correction(const GaussianState& before, BuildingPoint point, double sigma_m);
   void start_at(BuildingPoint point, double sigma_m);
   void align_heading();
-  void guard_against_nan();
+  void guard_against_nonsense();
   Integrity integrity(PhoneTime at) const;
   bool stale(PhoneTime at) const;
   bool foreign() const;

@@ -34,6 +34,29 @@ TEST(HostileEvidence, PublishesNothingUnsound) {
   }
 }
 
+// A speed nobody walks at, for an hour and without another fix: 500 km.
+TEST(HostileEvidence, NoTrackLeavesTheWorldThatAMessageCanTell) {
+  const auto site = odd_site();
+  for (const auto& name : preset_names()) {
+    const auto tracker = (*assemble(*preset(name), site))->make_tracker(Random(1), KnownStart{{{5.0, 5.0}, FloorOrdinal{0}}, 1.0, std::nullopt});
+    int positions = 0;
+    for (int i = 1; i <= 7200; ++i) {
+      MotionReport motion;
+      motion.time = PhoneTime{from_seconds(0.5 * i)};
+      motion.interval = from_seconds(0.5);
+      motion.heading_sigma_rad = 0.1;
+      motion.steps = 1;
+      motion.step_length_m = 70.0;
+      tracker->feed(motion);
+      const auto position = tracker->position(motion.time);
+      if (!position) continue;
+      ASSERT_EQ(unsound(*position), "") << name << ", report " << i;
+      ++positions;
+    }
+    EXPECT_GT(positions, 0) << name;
+  }
+}
+
 TEST(HostileEvidence, OneAccessPointAndThousands) {
   for (const int transmitters : {1, 3000}) {
     auto made = std::make_shared<Site>();
