@@ -27,8 +27,8 @@ constexpr double kGnssFar = 3.0;              // of the common sigma: a cloud th
 constexpr int kFixesElsewhere = 2;             // in a row: one satellite fix errs, two that stand apart from the rest do not
 constexpr double kGnssMemoryS = 20.0;         // of a fix's error: reflections last as long as the street looks the same
 constexpr double kOutside = 2.0;              // of a fix's sigma off the plan
-constexpr int kFixesAtRest = 3;              // then a phone at rest has heard what there is to hear
 constexpr int kScansAtRest = 3;              // then a phone at rest has heard what there is to hear
+constexpr int kFixesAtRest = 3;              // of satellites, likewise
 constexpr int kForeignFloors = 3;            // scans in a row that move a phone at rest to another floor: a lift
 
 bool sound(const MotionReport& m) {
@@ -312,7 +312,7 @@ void FieldTracker::feed(const GnssFix& fix) {
   }
   if (far && fixes_elsewhere_ > 0) return;  // the next one tells which of them errs
   if (at_rest_ && ++fixes_at_rest_ > kFixesAtRest) return;
-  // Fixes err alike for a while: each counts for what it does not repeat of the last [as scans do].
+  // Fixes err alike for a while: each counts for what it does not repeat of the last, as scans do.
   cloud_.weigh(point, fix.sigma_m * std::sqrt((1.0 + memory) / (1.0 - memory)));
   cloud_.settle(random_);
 }
